@@ -193,7 +193,7 @@ def subtract_errors(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> t
     of draws, such as specimens that yielded, keep their share of the probability.
     """
     errors, firsts = (test.rebuilt.draws.errors(metric) for test in (error, first))
-    weights, first_weights = (test.rebuilt.draws.weights() for test in (error, first))
+    weights, first_weights = (test.rebuilt.draws.weights for test in (error, first))
     count = min(errors.size, firsts.size)
     order = np.arange(count)
     if not _have_in_common(error, first):
@@ -204,11 +204,8 @@ def subtract_errors(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> t
 
 def _have_in_common(error: ErrorOfTest, first: ErrorOfTest) -> bool:
     """Whether the same quantities are unknown in both, so that draws of them can be paired."""
-    unknown = [
-        list(test.rebuilt.unknown.deviations() if test.inferred is None else test.inferred.posterior.means)
-        for test in (error, first)
-    ]
-    return unknown[0] == unknown[1] and error.rebuilt.seed == first.rebuilt.seed
+    unknown = [list(test.rebuilt.inferred.posterior.means) for test in (error, first)]
+    return unknown[0] == unknown[1]
 
 
 def _notes(tests: Sequence[RankedTest]) -> list[str]:

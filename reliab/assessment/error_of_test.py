@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
-_DRAWS_AS_STATED = 64
-
 PART_NAMES: Final[Mapping[str, str]] = {
     "amplitude": "amplitude",
     "delay": "delay",
@@ -314,15 +312,18 @@ def _infer(
 
     `measured_displacement`, `sensor_offset` [m].
     """
-    from reliab.assessment.inferred_error import Readings, infer_errors
+    from reliab.assessment.inferred_error import infer_errors
+    from reliab.assessment.rebuilt_error.rebuild import Readings
 
     structure, equipment_sizes = question.full_structure, question.sizes(recording.time_step)
     require_lag(question.feedback_lag, recording.duration)
-    readings = Readings.from_recording(
-        recording,
+    readings = Readings.from_histories(
+        recording.command,
         measured_displacement,
+        recording.time_step,
         structure,
-        mass=question.mass,
+        ground=recording.ground,
+        force=None if recording.force is None or question.mass is None else recording.force / question.mass,
         sensor_offset=sensor_offset,
         resolution=question.resolution,
     )
@@ -334,7 +335,7 @@ def _infer(
         question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
     )
     return ErrorOfTest(
-        rebuilt=readings.rebuilt(inferred_error, question.seed),
+        rebuilt=readings.rebuilt(inferred_error),
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
@@ -419,8 +420,7 @@ def _error_of_several(
     repairs: Mapping[str, Size],
 ) -> ErrorOfSeveral:
     """Compute the errors of all interface displacements; arguments as of `error_of_test`."""
-    from reliab.assessment.coupled_error.posterior_errors import channels_of_several, take_from_posterior
-    from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+    from reliab.assessment.coupled_error.rebuild import CoupledReadings
     from reliab.assessment.inferred_error import infer_errors
 
     frame = question.frame
@@ -432,24 +432,23 @@ def _error_of_several(
         measured=frame.straighten(recording.measured),
     )
     offsets = np.array([0.0 if place in known_offsets else np.nan for place in range(len(recording.command))])
-    nominal_error = rebuild_coupled(
+    require_lag(question.feedback_lag, recording.duration)
+    readings = CoupledReadings.from_histories(
         recording.command,
         recording.measured,
         recording.time_step,
         frame.partition,
         to_interface=frame.to_interface,
-        feedback_lag=question.feedback_lag,
+        ground=recording.ground,
         sensor_offsets=offsets,
-        draws=_DRAWS_AS_STATED,
     )
-    channels = channels_of_several(nominal_error, recording)
-    ground = examine_ground(recording, channels, frame.partition, feedback_lag=question.feedback_lag)
+    ground = examine_ground(recording, readings.channels, frame.partition, feedback_lag=question.feedback_lag)
     left_by_faults = {name: size.deviation for name, size in repairs.items()}
     inferred_error = infer_errors(
-        question.circumstances(channels, ground, left_by_faults), nominal_error.every, question.seed
+        question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
     )
     return ErrorOfSeveral(
-        rebuilt=take_from_posterior(nominal_error, inferred_error, recording),
+        rebuilt=readings.rebuilt(inferred_error, question.feedback_lag),
         inferred=inferred_error,
         metric=question.metric,
         threshold=question.threshold,

@@ -8,11 +8,10 @@ import scipy
 
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.inferred_error import EXACT_DRAWS
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
 from reliab.structures.partition import Partition
-
-_DRAWS = 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,10 +89,7 @@ def exact_test(
 
     def draws() -> Iterator[ExactResponse]:
         if isinstance(error, ErrorOfTest) and specimen is not None:
-            single = error.rebuilt
-            draws_of_specimen = specimen.test.exact_of_draws(
-                single.differences[:_DRAWS], single.unknown, single.seed
-            )
+            draws_of_specimen = specimen.test.exact_of_draws(error.rebuilt.inferred.worlds(EXACT_DRAWS))
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
         for structure, response in error.exact_draws():

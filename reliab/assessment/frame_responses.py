@@ -16,8 +16,8 @@ from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
+from reliab.assessment.inference.error_draws import ACCURACY
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.interval import ACCURACY
 from reliab.assessment.rebuilt_error.spread import Estimate, Spread
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
@@ -240,4 +240,10 @@ def _spread(draws: Array, unit: float | None) -> Spread:
     """Draws of a response's RMS and largest deviation over a length [m], or over its peak in each draw."""
     rms, largest, peak = draws.T
     scale = peak if unit is None else unit
-    return Spread(rms=rms / scale, mte=largest / scale, mean=np.zeros(0), deviation=np.zeros(0))
+    return Spread(
+        rms=rms / scale,
+        mte=largest / scale,
+        mean=np.zeros(0),
+        deviation=np.zeros(0),
+        weights=np.ones(rms.size),
+    )

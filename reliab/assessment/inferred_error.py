@@ -1,7 +1,8 @@
 """The error of a test, from the posterior of everything that is uncertain about it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -9,32 +10,31 @@ from reliab.assessment.budget.sizes import PriorSource
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
+    TestedStructure,
     draw_errors,
     draw_noise_errors,
-    typical_world,
 )
+from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import (
+    DRAWS,
     TestPosterior,
     experiment_at,
     infer,
     log_evidence_ratio,
 )
 from reliab.assessment.inference.quantities import UncertainQuantity
-from reliab.assessment.inference.rebuilt import rebuild
+from reliab.assessment.inference.rebuilt import LinearTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
-from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
-from reliab.assessment.rebuilt_error.interval import EXACT, Histories, samples_in_step
-from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError
-from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
 from reliab.assessment.uncertainty_budget import BudgetItem, describe
 from reliab.core.arrays import Array
+from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.effects.effect import SteppedEffect
-from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 
 _NARROWING_FACTOR = 0.9  # of a standard deviation a priori, below which the test itself shows a quantity
@@ -46,40 +46,45 @@ class InferredError:
     """The posterior of a test and what it says of the error."""
 
     posterior: TestPosterior
+    test: TestedStructure
     errors: ErrorsOfTest
     every: int  # Number of samples of which `exact` gives one
 
+    def worlds(self, count: int) -> Iterator[tuple[int, Experiment]]:
+        """Possible worlds with the numbers of their draws, each as often as it weighs."""
+        weights = self.errors.displacements[0].weights
+        draws = np.random.default_rng(0).choice(weights.size, count, p=weights)
+        for draw in draws.tolist():
+            yield draw, self.posterior.experiment(self.posterior.draws.values[draw])
+
     def exact(self) -> Iterator[tuple[Partition, Array]]:
         """Structures, and responses without actuator errors at swept samples [m], draw by draw."""
-        channels, partition = self.posterior.circumstances.channels, self.posterior.circumstances.partition
-        weights = self.posterior.draws.weights
-        draw_places = np.random.default_rng(0).choice(weights.size, _EXACT_DRAWS, p=weights)
-        for row in draw_places:
-            world = self.posterior.experiment(self.posterior.draws.values[row])
-            exact = channels.band.full_history(rebuild(channels, partition, world).exact)
-            yield world.structure(partition), exact[:, :: self.every]
+        for draw, world in self.worlds(EXACT_DRAWS):
+            exact = self.test.on_record(self.test.solve(world, draw))[1]
+            yield world.structure(self.posterior.circumstances.partition), exact[:, :: self.every]
 
-    def spread(self, place: int, error: Array) -> Spread:
-        """Put the draws of a displacement into the form of others; `error`: its mean [m], shape (n,)."""
-        band, displacement_errors = (
-            self.posterior.circumstances.channels.band,
-            self.errors.displacements[place],
-        )
-        places = np.arange(error.size) * band.record_step
-        return Spread(
-            rms=displacement_errors.rms,
-            mte=displacement_errors.mte,
-            mean=error,
-            deviation=np.interp(places, band.time, self.errors.deviation[place]),
-            counts=displacement_errors.weights * displacement_errors.weights.size,
-        )
+    def histories(self, place: int, read: Array) -> dict[str, Any]:
+        """Histories and draws of the error of a displacement that was read so [m], shape (n,)."""
+        errors = self.errors.displacements[place]
+        return {
+            "error": read - self.errors.exact[place],
+            "smooth_error": self.errors.error[place],
+            "reference": self.errors.exact[place],
+            "rms": errors.estimate(Metric.RMS),
+            "mte": errors.estimate(Metric.MTE),
+            "draws": Spread(
+                rms=errors.rms,
+                mte=errors.mte,
+                mean=self.errors.error[place],
+                deviation=self.errors.deviation[place],
+                weights=errors.weights * errors.weights.size,
+            ),
+        }
 
     def exact_as_stated(self) -> Array:
         """Return the response without actuator errors with everything as stated [m], shape (n,)."""
-        circumstances = self.posterior.circumstances
-        world = experiment_at(circumstances, (), np.zeros(0))
-        exact = rebuild(circumstances.channels, circumstances.partition, world).exact
-        return np.asarray(circumstances.channels.band.full_history(exact)[0])
+        world = experiment_at(self.posterior.circumstances, (), np.zeros(0))
+        return np.asarray(self.test.on_record(self.test.solve(world))[1, 0])
 
     def log_evidence_ratio(self, specimen: SteppedEffect, histories: Histories) -> float:
         """Logarithm of how much likelier the channels are with another specimen than with a linear one.
@@ -110,18 +115,24 @@ class InferredError:
                     deviation_for_half=_deviation_for_half(share, spread, unknown.prior.deviation),
                 )
             )
-        widenings.append(self._noise_widening(metric, place, deviation, width))
+        rms, mte = draw_noise_errors(self.posterior, self.test, _DRAWS_OF_NOISE)
+        noisy = (rms if metric is Metric.RMS else mte)[:, place]
+        widenings.append(self.widening_alone(_NOISE, noisy, metric, place))
         return tuple(sorted(widenings, key=lambda part: -part.contribution))
 
-    def _noise_widening(self, metric: Metric, place: int, deviation: float, width: float) -> Widening:
-        """Contribution of the sensors' noise."""
-        rms, mte = draw_noise_errors(self.posterior, _DRAWS_OF_NOISE)
-        noise_deviation = float(np.std((rms if metric is Metric.RMS else mte)[:, place]))
-        remainder = max(1.0 - (noise_deviation / deviation) ** 2, 0.0) if deviation else 0.0
+    def widening_alone(
+        self, name: str, errors: Array, metric: Metric, place: int = 0, deviation: float = 0.0
+    ) -> Widening:
+        """Contribution of something of which there are errors that hold nothing else, shape (draws,)."""
+        draws, own = self.errors.displacements[place], float(np.std(errors))
+        estimate = draws.estimate(metric)
+        whole = _deviation(draws.errors(metric), draws.weights)
+        remainder = max(1.0 - (own / whole) ** 2, 0.0) if whole else 0.0
+        width = estimate.high - estimate.low
         return Widening(
-            name=_NOISE,
-            deviation=0.0,
-            contribution=noise_deviation,
+            name=name,
+            deviation=deviation,
+            contribution=own,
             width=width,
             width_without=width * float(np.sqrt(remainder)),
             deviation_for_half=None,
@@ -148,7 +159,9 @@ class InferredError:
 
 
 _NOISE, _DRAWS_OF_NOISE = "sensor_noise", 32
-_EXACT_DRAWS = 64
+
+EXACT_DRAWS = 64
+"""Number of draws of the response that perfect actuators would have given."""
 
 
 def _deviation(values: Array, weights: Array) -> float:
@@ -172,115 +185,43 @@ def _deviation_for_half(share: float, spread: float, deviation: float) -> float 
     return deviation * spread * float(np.sqrt(remainder / (1.0 - remainder)))
 
 
-def infer_errors(circumstances: Circumstances, stride: int, seed: int) -> InferredError:
+def infer_errors(
+    circumstances: Circumstances,
+    stride: int,
+    seed: int,
+    *,
+    draws: int = DRAWS,
+    test: TestedStructure | None = None,
+) -> InferredError:
     """Infer the errors of all interface displacements.
 
-    `stride`: number of samples of which exact responses give one.
+    `stride`: number of samples of which exact responses give one; `test`: of a nonlinear specimen, whose
+    channels show nothing of what is uncertain; linear by default.
     """
-    posterior = infer(circumstances, seed=seed)
-    errors = draw_errors(posterior, circumstances.partition.names)
-    return InferredError(posterior=posterior, errors=errors, every=stride)
+    posterior = infer(circumstances, draws=draws, seed=seed, from_channels=test is None)
+    errors = draw_errors(posterior, test)
+    test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
+    return InferredError(posterior=posterior, test=test, errors=errors, every=stride)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Readings:
-    """Channels of a test, and how they begin."""
-
-    command: Array  # [m], shape (n,)
-    read: Array  # Measured displacement without the offset that rest shows [m], shape (n,)
-    time_step: float  # [s]
-    noise: SensorNoise
-    start: Start
-    every_of_structure: int  # Samples of which one resolves the structure's modes
-    channels: ChannelSpectra
-
-    @classmethod
-    def from_recording(
-        cls,
-        recording: Recording,
-        measured_displacement: Array,
-        structure: Partition,
-        *,
-        mass: float | None,
-        sensor_offset: float | None,
-        resolution: float | None,
-    ) -> "Readings":
-        """Check the channels, and transform them.
-
-        `measured_displacement` [m]: with its stated scale taken away; `mass` [kg] of the structure, without
-        which a recorded force is left out; `sensor_offset`, `resolution` [m].
-        """
-        step, force = recording.time_step, recording.force
-        command, measured_displacement = check_histories(
-            recording.command, measured_displacement, step, structure
-        )
-        stride = samples_in_step_of_structure(structure, step)
-        require_fitting(command.size, stride, step)
-        noise = replace(estimate_noise(command, measured_displacement, step), resolution=resolution)
-        start = start_of_test(command, measured_displacement, step, structure, noise, sensor_offset)
-        read = measured_displacement - start.offset
-        initial_displacement = (
-            float(structure.static_transfer[0, 0]) * start.standing
-        )  # by the command, before the record
-        stood = start.standing - initial_displacement
-        channels = ChannelSpectra.from_channels(
-            (command + initial_displacement)[np.newaxis],
-            (read - stood)[np.newaxis],
-            step,
-            structure,
-            ground=recording.ground,
-            force=None if force is None or mass is None else force[np.newaxis] / mass,
-        )
-        channels = replace(
-            channels,
-            offset_size=np.array([start.offset_deviation]),
-            standing=np.array([stood]),
-            initial_size=0.0 if start.at_rest else channels.initial_size,
-        )
-        return cls(
-            command=command,
-            read=read,
-            time_step=step,
-            noise=noise,
-            start=start,
-            every_of_structure=stride,
-            channels=channels,
-        )
-
-    @property
-    def stride(self) -> int:
-        """Number of samples of which one is enough."""
-        return samples_in_step(self.every_of_structure, self.noise, self.command.size)
-
-    def rebuilt(self, inferred_error: InferredError, seed: int) -> RebuiltError:
-        """Put the posterior into the form of a rebuilt error, on the samples of the record."""
-        posterior, errors, stride = inferred_error.posterior, inferred_error.errors, self.stride
-        band, displacement_errors = self.channels.band, errors.displacements[0]
-        world = typical_world(posterior, errors)
-        motion = world.displacement(self.channels)
-        spectra = [errors.exact_spectrum, errors.error_spectrum, motion, world.late(motion, self.channels)]
-        reference, error, displacement, late = band.full_history(np.stack(spectra))[:, 0]
-        displacement, late = displacement + self.channels.standing, late + self.channels.standing
-        return RebuiltError(
-            error=self.read - reference,
-            smooth_error=error,
-            reference=reference,
-            rms=displacement_errors.estimate(Metric.RMS),
-            mte=displacement_errors.estimate(Metric.MTE),
-            draws=inferred_error.spread(0, error),
-            time_step=self.time_step,
-            structure=world.structure(posterior.circumstances.partition),
-            noise=self.noise,
-            start=self.start,
-            unknown=EXACT,
-            histories=Histories(
-                command=self.command,
-                measured=displacement,
-                fed_back=self.command - late,
-                time_step=self.time_step,
-                standing=-self.start.standing,
-            ),
-            differences=(self.command - displacement)[np.newaxis, ::stride],
-            every=stride,
-            seed=seed,
-        )
+def stated_circumstances(
+    channels: ChannelSpectra, partition: Partition, tolerances: Tolerances, feedback_lag: float
+) -> Circumstances:
+    """Put together what is stated of a test, all else being exact; `feedback_lag` [s]."""
+    sizes = dict(tolerances.items())
+    corrected_hysteresis = sizes.pop("hysteresis")
+    sizes["hysteresis"] = sizes.pop("lagging_hysteresis")
+    deviations = {name: deviation for name, deviation in sizes.items() if deviation}
+    of_actuators = {
+        f"{name}_{number + 1}": deviation
+        for number in range(partition.degrees)
+        for name, deviation in deviations.items()
+    }
+    return Circumstances(
+        partition=partition,
+        channels=channels,
+        stated={"hysteresis": StatedValue(1.0, corrected_hysteresis)} if corrected_hysteresis else {},
+        tolerances=tolerances.of_parts,
+        left_by_faults={**deviations, **of_actuators, **tolerances.of_sensors},
+        feedback_lag=feedback_lag,
+    )

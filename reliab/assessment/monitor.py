@@ -1,37 +1,31 @@
 """A linear or modelled test while it runs: its errors sample by sample, and its net damping.
 
-The error histories equal those that `rebuild` or `rebuild_coupled` gives after the test. From time to time,
-at spacings that grow with the test, intervals are computed as by these; in between, errors are known from
-sums over the samples so far, without intervals. A long test with one actuator is judged stretch by stretch,
-and what is judged is forgotten: two stretches are held in memory at most, however long the test lasts. One
-with several actuators is held whole, and one whose nonlinear specimen has a model, whose intervals are those
-of `rebuild_with_specimen`.
+From time to time, at spacings that grow with the test, intervals are computed as by `rebuild`,
+`rebuild_coupled` or `rebuild_with_specimen` after the test; in between, errors are known from sums over the
+samples so far, without intervals. Of a long test samples are held at a lower rate, so that it takes no more
+memory than a shorter one; one whose nonlinear specimen has a model is held whole.
 """
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
-from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
+from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
+from reliab.assessment.rebuilt_error.initial import Start, start_of_test
+from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
 from reliab.assessment.rebuilt_error.nonlinear_reference import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuilt_error.rebuild import DRAWS as DRAWS_AT_END, RebuiltError
-from reliab.assessment.rebuilt_error.recursion import Recursion
+from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
-from reliab.assessment.rebuilt_error.stretches import (
-    ErrorSoFar,
-    StatedTest,
-    error_of_stretch,
-    samples_in_stretch,
-)
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -40,8 +34,48 @@ from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
+_MOST_HELD = 1 << 19  # samples before two of a long test are joined
+_STRETCH = 1 << 14  # samples that resolve the structure's modes
+
 DRAWS = 64
 """Draws behind the intervals of a running test."""
+
+
+class HeldSamples:
+    """Samples of a test so far; of a long test means of as many samples as its structure allows.
+
+    `most`: number of samples that are held before two of them are joined to their mean; `most_joined`: number
+    of samples of which one still resolves the structure's modes.
+    """
+
+    def __init__(self, actuators: int, most: int, most_joined: int) -> None:
+        self.joined, self._most, self._most_joined = 1, most, most_joined
+        self._parts, self._size = [np.zeros((2, actuators, 0))], 0
+        self._waiting = np.zeros((2, actuators, 0))  # for others with which they are joined
+
+    def feed(self, rows: Array) -> None:
+        """Add the next commands and measured displacements [m], shape (2, p, k)."""
+        rows = np.concatenate([self._waiting, rows], axis=2)
+        size = rows.shape[2] // self.joined
+        self._parts.append(_join(rows, self.joined))
+        self._waiting, self._size = rows[:, :, size * self.joined :].copy(), self._size + size
+        while self._size > self._most and 2 * self.joined <= self._most_joined:
+            held, self._size = self.rows, self._size // 2
+            single = np.repeat(held[:, :, 2 * self._size :], self.joined, axis=2)
+            self._waiting = np.concatenate([single, self._waiting], axis=2)
+            self._parts, self.joined = [_join(held, 2)], 2 * self.joined
+
+    @property
+    def rows(self) -> Array:
+        """Commands and measured displacements so far [m], shape (2, p, n)."""
+        self._parts = [np.concatenate(self._parts, axis=2)]
+        return self._parts[0]
+
+
+def _join(rows: Array, count: int) -> Array:
+    """Means of so many samples each, without those that are too few at the end."""
+    size = rows.shape[2] // count
+    return np.asarray(rows[:, :, : size * count].reshape(2, -1, size, count).mean(axis=3))
 
 
 class Monitor(RunningTest):
@@ -49,9 +83,8 @@ class Monitor(RunningTest):
 
     `time_step`, `feedback_lag` [s]; `sensor_offset` of an only actuator [m]; `to_interface`: interface
     displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
-    `recursion`: of the ideal test of several actuators as the computer steps it, exact by default; `metric`:
-    by which the governing displacement is the one with the largest error; `stretch`: samples after which a
-    test with one actuator is judged and forgotten.
+    `metric`: by which the governing displacement is the one with the largest error; `stretch`: samples after
+    which the errors of those of a test with one actuator are forgotten, but for sums over them.
 
     >>> time = np.arange(0.0, 30.0, 1.0 / 256.0)
     >>> command = np.minimum(time / 10.0, 1.0) * np.sin(2.0 * np.pi * time)
@@ -60,7 +93,7 @@ class Monitor(RunningTest):
     ...     monitor.feed(*chunk)
     >>> from reliab.assessment.rebuilt_error.rebuild import rebuild
     >>> whole = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
-    >>> bool(np.abs(monitor.error - whole.error).max() < 1e-12)
+    >>> monitor.ask(draws=256).rms == whole.rms
     True
 
     Several actuators, of which one moves too little:
@@ -84,7 +117,6 @@ class Monitor(RunningTest):
         feedback_lag: float = 0.0,
         sensor_offset: float | None = None,
         tolerances: Tolerances | None = None,
-        recursion: Recursion | None = None,
         metric: Metric = Metric.RMS,
         seed: int = 0,
         stretch: int | None = None,
@@ -101,33 +133,27 @@ class Monitor(RunningTest):
             time_step,
             (tolerances or Tolerances()).time_shift,
         )
-        self._test = StatedTest(
-            structure=self.structure,
-            time_step=time_step,
-            feedback_lag=feedback_lag,
-            sensor_offset=sensor_offset,
-            tolerances=tolerances or Tolerances(),
-            seed=seed,
-        )
+        self._lag, self._sensor_offset = feedback_lag, sensor_offset
+        self._tolerances, self._seed = tolerances or Tolerances(), seed
         is_held = self._has_several or self._model is not None
-        self._stretch = sys.maxsize if is_held else stretch or samples_in_stretch(self.structure, time_step)
+        stride = samples_in_step_of_structure(self.structure, time_step)
+        self._stretch = sys.maxsize if is_held else stretch or stride * _STRETCH
         if feedback_lag > self._stretch * time_step:
             raise InputError(
                 "The lag of the fed-back force must be shorter than a stretch", value=f"{feedback_lag:g} s"
             )
         self._carry = np.eye(self._partition.degrees) if to_interface is None else np.asarray(to_interface)
-        self._recursion, self._metric = recursion, metric
+        self._metric = metric
         self._running = RunningError(
             self.structure,
             time_step,
             feedback_lag,
             np.full(self._partition.degrees, sensor_offset or 0.0),
             carry=self._carry,
-            recursion=recursion,
             test=None if self._model is None else self._model.test,
         )
-        self._rest = 0
-        self._before: ErrorSoFar | None = None
+        self._held = HeldSamples(self._partition.degrees, stretch or _MOST_HELD, 1 if is_held else stride)
+        self._has_begun = False  # whether samples of the motion were forgotten
         self._judged: tuple[str, ...] = self._partition.names
 
     @property
@@ -158,78 +184,75 @@ class Monitor(RunningTest):
                 value=f"{command.shape} and {measured_displacement.shape}",
             )
         require_readings(command, measured_displacement)
-        rows, begin = np.stack([np.atleast_2d(command), np.atleast_2d(measured_displacement)]), 0
+        rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured_displacement)])
+        self._held.feed(rows)
+        begin = 0
         while begin < rows.shape[2]:
             room = max(2 * self._stretch + 1 - self._running.kept_samples, 1)
             some = rows[:, :, begin : min(begin + room, rows.shape[2])]
             self._running.feed(*some)
             self._energy.feed(*(self._carry @ some if self._has_several else some[:, 0]))
             if self._running.kept_samples > 2 * self._stretch:
-                self._judge_and_forget()
+                self._forget()
             begin += some.shape[2]
 
-    def _judge_and_forget(self) -> None:
-        """Forget the first stretch of those that are kept, after its error was drawn."""
-        if self._before is None and not np.ptp(self._running.command[:, : self._stretch + 1]) > 0.0:
-            self._rest += self._stretch
-        else:
-            self._before = self._draw_stretch(self._stretch + 1, DRAWS_AT_END)
+    def _forget(self) -> None:
+        """Forget the first stretch of those that are kept, after its sensor's offset was read."""
+        command, measured_displacement = self._running.command[0], self._running.measured[0]
+        if not self._has_begun and np.ptp(command[: self._stretch + 1]) > 0.0:
+            noise = estimate_noise(command, measured_displacement, self.time_step)
+            histories = command, measured_displacement, self.time_step
+            self._begin_anew([start_of_test(*histories, self.structure, noise, self._sensor_offset)])
+            self._has_begun = True
         self._running.forget(self._stretch)
 
-    def _draw_with_model(self, model: UpdatedModel, draws: int) -> RebuiltError:
-        """Draw the error of the whole test so far with the model's specimen."""
-        running, test = self._running, self._test
-        error = rebuild_with_specimen(
-            running.command[0],
-            running.measured[0],
-            test.time_step,
-            model.test,
-            deviations=model.deviations,
-            sensor_offset=test.sensor_offset,
-            tolerances=test.tolerances,
-            draws=min(draws, DRAWS_OF_MODEL),
-            seed=test.seed,
-        )
-        running.begin_anew(np.array([error.start.offset]), np.array([-error.start.standing]))
-        return error
+    def _begin_anew(self, starts: Sequence[Start]) -> None:
+        """Take how the channels begin from all samples so far, unless the first of them were forgotten."""
+        if not self._has_begun:
+            offsets, standing = (
+                np.array([getattr(start, name) for start in starts]) for name in ("offset", "standing")
+            )
+            self._running.begin_anew(offsets, self._carry @ -standing)
 
-    def _draw_stretch(self, samples: int, draws: int) -> ErrorSoFar:
-        """Draw the error up to the first of the samples that are kept."""
-        running = self._running
-        last = running.kept_samples if self._before is None else samples
-        error = error_of_stretch(
-            running.command[0, :last],
-            running.measured[0, :last],
-            self._test,
+    def _draw(self, draws: int) -> RebuiltError | CoupledError:
+        """Draw the errors of the test so far."""
+        command, measured_displacement = self._held.rows
+        step = self._held.joined * self.time_step
+        if self._has_several:
+            return rebuild_coupled(
+                command,
+                measured_displacement,
+                step,
+                self._partition,
+                to_interface=self._carry,
+                feedback_lag=self._lag,
+                tolerances=self._tolerances,
+                draws=draws,
+                seed=self._seed,
+            )
+        if self._model is not None:
+            return rebuild_with_specimen(
+                command[0],
+                measured_displacement[0],
+                step,
+                self._model.test,
+                deviations=self._model.deviations,
+                sensor_offset=self._sensor_offset,
+                tolerances=self._tolerances,
+                draws=min(draws, DRAWS_OF_MODEL),
+                seed=self._seed,
+            )
+        return rebuild(
+            command[0],
+            measured_displacement[0],
+            step,
+            self.structure,
+            feedback_lag=self._lag,
+            sensor_offset=self._sensor_offset,
+            tolerances=self._tolerances,
             draws=draws,
-            samples=samples,
-            earlier=self._before,
+            seed=self._seed,
         )
-        if self._before is not None:
-            return error
-        running.begin_anew(np.array([error.start.offset]), np.array([-error.start.standing]))
-        return error.prepend_rest(self._rest)
-
-    def _draw_several(self, draws: int) -> CoupledError:
-        """Draw the errors of all displacements of the test so far."""
-        error = rebuild_coupled(
-            self._running.command,
-            self._running.measured,
-            self.time_step,
-            self._partition,
-            to_interface=self._carry,
-            feedback_lag=self._test.feedback_lag,
-            tolerances=self._test.tolerances,
-            recursion=self._recursion,
-            draws=draws,
-            seed=self._test.seed,
-        )
-        self._judged = tuple(degree.name for degree in error.judged)
-        offsets, standing = (
-            np.array([getattr(start, name) for start in error.starts]) for name in ("offset", "standing")
-        )
-        self._running.begin_anew(offsets, self._carry @ -standing)
-        return error
 
     @property
     def displacements(self) -> Mapping[str, Now]:
@@ -258,24 +281,18 @@ class Monitor(RunningTest):
     def _calm(self, name: str) -> float:
         return self._running.sums[self._partition.names.index(name)].calm * self.time_step
 
-    def ask(self, *, draws: int = DRAWS) -> ErrorSoFar | RebuiltError | CoupledError:
-        """Compute the error of the test so far with its intervals.
-
-        Returns as `rebuild` or `rebuild_coupled` finds it for the samples so far, where they are at most two
-        stretches.
-        """
+    def ask(self, *, draws: int = DRAWS) -> RebuiltError | CoupledError:
+        """Compute the error of the test so far with its intervals."""
         if draws > DRAWS_AT_END:
             raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)
-        running = self._running
-        if self._has_several:
-            error = self._draw_several(draws)
+        error = self._draw(draws)
+        if isinstance(error, CoupledError):
+            self._begin_anew(error.starts)
+            self._judged = tuple(degree.name for degree in error.judged)
             self._conclude(error.governing(self._metric), {degree.name: degree for degree in error.judged})
             return error
-        single = (
-            self._draw_stretch(running.kept_samples, draws)
-            if self._model is None
-            else self._draw_with_model(self._model, draws)
-        )
+        self._begin_anew([error.start])
+        running = self._running
         is_lost = is_lost_in_noise(running.command[0] - running.measured[0], running.sums[0].largest)
-        self._conclude(single, {self.governing: single}, lost_in_noise=is_lost)
-        return single
+        self._conclude(error, {self.governing: error}, lost_in_noise=is_lost)
+        return error

@@ -44,26 +44,6 @@ _NOT_INFERRED = {  # with a measured specimen, or where the noise of its sensor 
         remedy="Repeat the test with less actuator error or a better force sensor, or calibrate a model "
         "of the specimen with `reliab diagnose`.",
     ),
-    "mass": Description(
-        words="mass of the structure",
-        unit="%",
-        remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
-    ),
-    "force_lag": Description(
-        words="lag of the force behind the displacement",
-        unit="ms",
-        remedy="Measure by how much the force is recorded late, and state it.",
-    ),
-    "attached_mass": Description(
-        words="mass between load cell and specimen",
-        unit="kg",
-        remedy="Weigh what is mounted between load cell and specimen, and state it.",
-    ),
-    "load_path_friction": Description(
-        words="friction in the load path",
-        unit="N",
-        remedy="Measure the friction of the load path without a specimen, and state it.",
-    ),
     "sensor_noise": Description(
         words="noise of the displacement sensor", unit="", remedy="Use a displacement sensor with less noise."
     ),

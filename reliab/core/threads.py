@@ -1,19 +1,13 @@
-"""Threads: one for linear algebra, whose matrices are small here, and two for draws, which are many."""
+"""One thread for linear algebra, whose matrices are small here."""
 
 import importlib
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from functools import cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
-
-_Answer = TypeVar("_Answer")
-_FEWEST_SHARED = 32  # draws: on a busy computer a thread for fewer is waited for longer than they take
-
 
 ONE_THREAD = dict.fromkeys(
     (
@@ -43,22 +37,6 @@ def one_thread() -> AbstractContextManager[Any]:
         return nullcontext()
     limits: AbstractContextManager[Any] = _libraries().limit(limits=1, user_api="blas")
     return limits
-
-
-def run_in_two_shares(draws: int, sweep: Callable[[slice], _Answer]) -> list[_Answer]:
-    """Sweep two shares of draws at once, on any computer, by a kernel that needs no interpreter; few as one.
-
-    >>> run_in_two_shares(65, lambda share: (share.start, share.stop))
-    [(0, 32), (32, 65)]
-    >>> run_in_two_shares(7, lambda share: share.stop)
-    [7]
-    """
-    if draws < _FEWEST_SHARED:
-        return [sweep(slice(0, draws))]
-    half = draws // 2
-    with ThreadPoolExecutor(1) as pool:
-        second = pool.submit(sweep, slice(half, draws))
-        return [sweep(slice(0, half)), second.result()]
 
 
 @cache

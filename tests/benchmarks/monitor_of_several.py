@@ -45,11 +45,7 @@ def benchmark_case(number: int, diverges: bool, motion: Motion, rng: np.random.G
         LoopCase(
             kind="multi-axial benchmark",
             diverges=diverges,
-            monitor=Monitor(
-                structure.benchmark_partition(),
-                1.0 / RATE_OF_BENCHMARK,
-                recursion=outcomes.own_recursion(),
-            ),
+            monitor=Monitor(structure.benchmark_partition(), 1.0 / RATE_OF_BENCHMARK),
             command=structure.to_node(run.target),
             measured=structure.to_node(run.measured),
             ideal=ideal,

@@ -9,7 +9,6 @@ threshold      the same for true errors about the threshold: 3.5 to 7.5 %
 coverage       90 % intervals and probabilities: random noise, wrong f (sd 1 %), ξ (10 %), scale (0.5 %)
 levels         20 to 60 dB and quantised sensors, structure known
 small          true errors of 0.1 to 0.6 %, structure known
-widest         what each unknown contributes, beside draws of it alone and of all others (40 dB)
 parameters     f, ξ and contradictions where ground acceleration (and force) are recorded at 40 dB
 nonlinear      cubic, Coulomb, hysteresis: the model off by 1 % in each parameter, and none; false flags
 monitor        time for a sample, distance from offline
@@ -36,14 +35,11 @@ from scipy.stats import beta
 
 from reliab.assessment.assess import assess
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.interval import sweep
 from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
-from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import Metric
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -241,53 +237,6 @@ def state_small(rows: pd.DataFrame) -> None:
     state_levels(rows.assign(decibels=50.0))
 
 
-def widest(series: Series, number: int) -> Iterator[Row]:
-    """What unknowns contribute to the interval, beside draws of each alone and of all the others."""
-    test, rng = series.draw(number, 0.01, 0.2)
-    measured = read(test.outcome, "white", 40.0, rng)
-    tolerances = Tolerances(
-        damping_ratio=0.1, experimental_fraction=0.02, sensor_scale=0.005, time_shift=5e-4
-    )
-    rebuilt = rebuild(test.outcome.command, measured, STEP, test.structure, tolerances=tolerances)
-    noisy, quiet = rebuilt.differences, rebuilt.differences.mean(axis=0, keepdims=True)
-
-    def resample(differences: np.ndarray, **sizes: float) -> Spread:
-        unknown = replace(rebuilt.unknown, tolerances=Tolerances(**sizes))
-        rows = rebuilt.histories, rebuilt.structure, unknown, differences, rebuilt.every
-        return sweep(*rows, draws=512, seed=number).spread
-
-    def width(spread: Spread) -> float:
-        low, high = spread.interval(Metric.RMS)
-        return high - low
-
-    sizes = {name: size for name, size in tolerances.items() if size}
-    scatter, full_width = float(np.std(rebuilt.draws.rms)), width(rebuilt.draws)
-    for widening in rebuilt.widenings():
-        if widening.name in sizes:
-            single_spread = resample(quiet, **{widening.name: sizes[widening.name]})
-            spread_without = resample(
-                noisy, **{name: size for name, size in sizes.items() if name != widening.name}
-            )
-        elif widening.name == "sensor_noise":
-            single_spread, spread_without = resample(noisy), resample(quiet, **sizes)
-        else:
-            continue
-        yield {
-            "unknown": widening.name,
-            "contribution": (widening.contribution - float(np.std(single_spread.rms))) / scatter,
-            "without": (widening.width_without - width(spread_without)) / full_width,
-        }
-
-
-def state_widest(rows: pd.DataFrame) -> None:
-    """How far contributions and widths without an unknown are off, over those of all."""
-    for name, group in [*rows.groupby("unknown"), ("all", rows)]:
-        for column in ("contribution", "without"):
-            off = group[column]
-            limit = np.abs(off).quantile(0.9)
-            print(f"{name:22} {column:13} off by {np.median(off):+.3f}, 90 % within {limit:.3f}")
-
-
 def parameters(series: Series, number: int) -> Iterator[Row]:
     """f, ξ and contradictions."""
     test, rng = series.draw(number, 0.002, 0.3)
@@ -449,7 +398,6 @@ PARTS = {
     "coverage": (coverage, state_coverage, 1000),
     "levels": (levels, state_levels, 60),
     "small": (small, state_small, 100),
-    "widest": (widest, state_widest, 60),
     "parameters": (parameters, state_parameters, 200),
     "nonlinear": (nonlinear, state_nonlinear, 60),
 }

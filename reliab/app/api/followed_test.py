@@ -22,12 +22,12 @@ from reliab.assessment.budget.sizes import (
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import UNKNOWN
+from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
-from reliab.assessment.rebuilt_error.rebuild import DRAWS
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability

@@ -14,12 +14,13 @@ from functools import cached_property
 
 import numpy as np
 
+from reliab.assessment.inferred_error import InferredError
+from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.initial import Start
-from reliab.assessment.rebuilt_error.interval import Histories, Swept
 from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
 from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
-from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
@@ -132,8 +133,13 @@ class CoupledError:
     structure: Partition  # As stated
     starts: tuple[Start, ...]  # How each channel begins
     histories: Histories
-    recursion: Recursion  # Of the ideal test as the computer steps it
-    every: int  # Number of samples of which one was drawn
+    recursion: Recursion  # From x_c − x_m to the errors of the command
+    inferred: InferredError  # Draws of everything that is uncertain, and what they say of the errors
+
+    @property
+    def every(self) -> int:
+        """Number of samples of which one was drawn."""
+        return self.inferred.every
 
     @property
     def command(self) -> Array:
@@ -172,46 +178,3 @@ class CoupledError:
     def division(self) -> CoupledParts:
         """The errors of all displacements divided by actuator and by cause."""
         return divide(self.histories, self.recursion)
-
-
-def errors_of_displacements(
-    histories: Histories,
-    recursion: Recursion,
-    raw: Array,
-    names: tuple[str, ...],
-    nominal: Swept,
-    swept: Swept,
-    loose: Array,
-) -> tuple[DegreeError, ...]:
-    """Combine histories and draws, of noise `nominal`, into the error of every interface displacement.
-
-    `raw`: x_m as read [m], shape (p, n); `loose`: deviation that noise leaves x_c − x_m [m], shape (p,).
-    """
-    reference = histories.carry_to_interface(histories.command) - histories.respond(recursion)
-    raw_error, smooth = (histories.carry_to_interface(read) - reference for read in (raw, histories.measured))
-    peaks = np.abs(reference).max(axis=1)
-    moves = peaks > np.finfo(float).eps * peaks.max()
-    return tuple(
-        DegreeError(
-            name=name,
-            error=raw_error[place],
-            smooth_error=smooth[place],
-            reference=reference[place],
-            draws=spread,
-            rms=_estimate(Metric.RMS, noise_spread, spread),
-            mte=_estimate(Metric.MTE, noise_spread, spread),
-            noise=float(loose[place] / peaks[place]) if moves[place] else np.inf,
-        )
-        for place, (name, noise_spread, spread) in enumerate(
-            zip(names, nominal.spreads, swept.spreads, strict=True)
-        )
-    )
-
-
-def _estimate(metric: Metric, noise_spread: Spread, spread: Spread) -> Estimate:
-    """Error of what is stated, with an interval that reaches down to what noise alone leaves of it.
-
-    An offset that is drawn can only add to the squares of an error, and sensors may have none.
-    """
-    estimate = spread.estimate(metric, float(np.median(noise_spread.errors(metric))))
-    return replace(estimate, low=min(estimate.low, noise_spread.interval(metric)[0]))

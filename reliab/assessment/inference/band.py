@@ -108,6 +108,10 @@ class AnalysisBand:
         """Transform histories on the record's grid, shape (…, n), to shape (…, K)."""
         return self._transform(values, self.record_step, self.points, self.fade)
 
+    def from_laplace(self, transform: Spectrum) -> Spectrum:
+        """Put the Laplace transform of histories [s], shape (…, K), on the scale of their spectra."""
+        return np.asarray(transform * self._taper / self.record_step)
+
     def coarse_spectrum(self, values: Array) -> Spectrum:
         """Transform histories on the coarse grid, shape (…, m), to shape (…, K)."""
         fade = int(self.fade * self.record_step / self.time_step)
@@ -144,6 +148,6 @@ def highest_frequency(command: Array, time_step: float, lowest: float) -> float:
     """
     window = np.hanning(command.shape[-1])
     power = np.abs(scipy.fft.rfft((command - command.mean(axis=-1, keepdims=True)) * window)) ** 2
-    total = np.cumsum(power / power.sum(axis=-1, keepdims=True), axis=-1).min(axis=0)
+    total = np.cumsum(power / (power.sum(axis=-1, keepdims=True) + np.finfo(float).tiny), axis=-1).min(axis=0)
     highest = int(np.searchsorted(total, 1.0 - _POWER)) / (command.shape[-1] * time_step)
     return float(min(max(1.3 * highest, _PERIODS * lowest) / _ROLL_OFF, _WIDEST / time_step))

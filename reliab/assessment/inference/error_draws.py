@@ -1,18 +1,19 @@
 """Errors of a test over the draws of its posterior: values, intervals, probability, histories with a band."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
-from reliab.assessment.inference.rebuilt import rebuild, relative_errors
-from reliab.assessment.rebuilt_error.interval import ACCURACY
+from reliab.assessment.inference.rebuilt import LinearTest, relative_errors
 from reliab.assessment.rebuilt_error.spread import ENDS, Estimate, weighted_quantiles
-from reliab.core.arrays import Array, Spectrum
+from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
+
+ACCURACY = 0.004
+"""Standard deviation of the relative error of the numbers, with structure and channels exact [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,15 +35,35 @@ class ErrorDraws:
         return Estimate(value=value, low=low, high=high)
 
 
+class TestedStructure(Protocol):
+    """How the error of a test follows from a possible world: linear, by a model, or learned from its force.
+
+    Solutions hold x_m − x_I and x_I, shape (2, p, …), and can be added to each other.
+    """
+
+    @property
+    def places(self) -> Array:
+        """Numbers of the record's samples between those of `histories`, shape (n,)."""
+
+    def solve(self, world: Experiment, draw: int | None = None) -> Any:  # noqa: ANN401 - of its own kind
+        """Solve for x_m − x_I and x_I; `draw`: number of a draw of what the world does not hold, if any."""
+
+    def histories(self, solution: Any) -> Array:  # noqa: ANN401
+        """Both at the samples at which errors are taken [m], shape (2, p, m)."""
+
+    def on_record(self, solution: Any) -> Array:  # noqa: ANN401
+        """Both at the samples of the record [m], shape (2, p, n)."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorsOfTest:
     """What the posterior of a test says of its error, for each interface displacement."""
 
     displacements: tuple[ErrorDraws, ...]
-    deviation: Array  # Standard deviation of x_m − x_I [m], shape (p, m)
-    exact_spectrum: Spectrum  # Mean of x_I [m], shape (p, K)
-    error_spectrum: Spectrum  # Mean of x_m − x_I [m], shape (p, K)
-    factors: Array  # From RMS^R and MTE^R on the coarse grid to those on the record's [-], shape (2, p)
+    error: Array  # Mean of x_m − x_I [m], shape (p, n)
+    exact: Array  # Mean of x_I [m], shape (p, n)
+    deviation: Array  # Standard deviation of both [m], shape (p, n)
+    factors: Array  # From RMS^R and MTE^R of the histories to those on the record [-], shape (2, p)
 
     @property
     def largest(self) -> int:
@@ -51,49 +72,72 @@ class ErrorsOfTest:
         return int(np.argmax(medians))
 
 
-def draw_errors(posterior: TestPosterior, names: Sequence[str], seed: int = 0) -> ErrorsOfTest:
-    """Rebuild the error in every draw of a posterior; `names` of the interface displacements.
+def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, seed: int = 0) -> ErrorsOfTest:
+    """Rebuild the error in every draw of a posterior.
 
-    `seed`: of the noise of the sensors.
+    `test`: with a specimen that is simulated, whose draws are weighed by the size of their errors; linear by
+    default; `seed`: of the noise of the sensors.
     """
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
-    draws, weights = posterior.draws.values.shape[0], posterior.draws.weights
-    rms, mte = np.empty((draws, partition.degrees)), np.empty((draws, partition.degrees))
-    mean, square = np.zeros((2, partition.degrees, channels.band.samples))
-    spectra = np.zeros((2, partition.degrees, channels.band.bins), dtype=np.complex128)
+    probable = 0.0
+    if test is None:
+        test = LinearTest(channels=channels, partition=partition)
+    else:
+        probable = float(relative_errors(*test.histories(test.solve(posterior.mode)))[0].max())
+    weights = posterior.draws.weights.copy()
+    rms, mte = np.empty((2, weights.size, partition.degrees))
+    mean = square = 0.0
+    solution_mean: Any = 0.0
     generator = np.random.default_rng(seed)
-    for row, experiment in enumerate(posterior.experiments()):
-        experiment.noise = channels.draw_noise(generator)
-        rebuilt = rebuild(channels, partition, experiment)
-        both = np.stack([rebuilt.error, rebuilt.exact])
-        histories = channels.band.history(both)
-        rms[row], mte[row] = relative_errors(histories[0], histories[1])
-        numerical_factor = 1.0 + ACCURACY * generator.standard_normal()
-        rms[row], mte[row] = numerical_factor * rms[row], numerical_factor * mte[row]
-        mean += weights[row] * histories[0]
-        square += weights[row] * histories[0] ** 2
-        spectra += weights[row] * both
-    factors = _between_samples(channels, spectra)
-    rms, mte = factors[0] * rms, factors[1] * mte
+    for draw, world in enumerate(posterior.experiments()):
+        world.noise = channels.draw_noise(generator)
+        solution = test.solve(world, draw)
+        histories = test.histories(solution)
+        factor = 1.0 + ACCURACY * generator.standard_normal()  # of the numbers
+        rms[draw], mte[draw] = factor * np.stack(relative_errors(*histories))
+        weights[draw] *= weight_of_size(float(rms[draw].max()), probable)
+        mean += weights[draw] * histories[0]
+        square += weights[draw] * histories[0] ** 2
+        solution_mean += weights[draw] * solution
+    total = weights.sum()
+    weights, mean, solution_mean = weights / total, mean / total, solution_mean / total
+    error, exact = test.on_record(solution_mean)
+    deviation = np.sqrt(np.maximum(square / total - mean**2, 0.0))
+    samples = np.arange(deviation.shape[1])
+    factors = _between_samples(test.histories(solution_mean), np.stack([error, exact]))
     return ErrorsOfTest(
         displacements=tuple(
-            ErrorDraws(name=name, rms=rms[:, place], mte=mte[:, place], weights=weights)
-            for place, name in enumerate(names)
+            ErrorDraws(
+                name=name,
+                rms=factors[0, place] * rms[:, place],
+                mte=factors[1, place] * mte[:, place],
+                weights=weights,
+            )
+            for place, name in enumerate(partition.names)
         ),
-        deviation=np.sqrt(np.maximum(square - mean**2, 0.0)),
-        exact_spectrum=spectra[1],
-        error_spectrum=spectra[0],
+        error=error,
+        exact=exact,
+        deviation=np.stack([np.interp(test.places, samples, row) for row in deviation]),
         factors=factors,
     )
 
 
-def _between_samples(channels: ChannelSpectra, spectra: Spectrum) -> Array:
-    """Factors from RMS^R and MTE^R on the coarse grid to those on the record's, which holds the peaks.
+def weight_of_size(error: float, probable: float) -> float:
+    """Weight of a draw, inverse to the size of its error; `probable`: size of the most probable one [-].
 
-    `spectra`: of x_m − x_I and x_I [m], shape (2, p, K).
-    Returns shape (2, p).
+    An error that two small numbers make together, such as amplitude and delay, is larger than that of their
+    means in most draws: a flat distribution of the two holds more large errors than small ones (Stein 1959,
+    Annals of Mathematical Statistics 30, 877). With these weights no size is likelier than another before the
+    test (Berger, Philippe and Robert 1998, Statistica Sinica 8, 359).
     """
-    coarse, fine = channels.band.history(spectra), channels.band.full_history(spectra)
+    return probable / max(error, _SMALLEST_SHARE * probable) if probable > 0.0 else 1.0
+
+
+def _between_samples(coarse: Array, fine: Array) -> Array:
+    """Factors from RMS^R and MTE^R at some samples to those on the record, which holds the peaks, (2, p).
+
+    `coarse`, `fine`: x_m − x_I and x_I [m], shape (2, p, …).
+    """
     least = np.finfo(float).tiny
     error, exact = (np.abs(fine).max(axis=-1) + least) / (np.abs(coarse).max(axis=-1) + least)
     return np.stack([1.0 / exact, error / exact])
@@ -105,7 +149,7 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     Of several displacements, the one with the largest error.
     """
     place = errors.largest
-    channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
+    test = LinearTest(channels=posterior.circumstances.channels, partition=posterior.circumstances.partition)
     draws, values, rms = posterior.draws, posterior.draws.values, errors.displacements[place].rms
     deviations = rms - draws.weights @ rms
     deviation = float(np.sqrt(draws.weights @ deviations**2))
@@ -115,24 +159,24 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     median = errors.displacements[place].estimate(Metric.RMS).value / float(errors.factors[0, place])
 
     def miss(position: float) -> float:
-        rebuilt = rebuild(channels, partition, posterior.experiment(posterior.fit.mode + position * slope))
-        errors = relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact])))
-        return abs(float(errors[0][place]) - median)
+        solution = test.solve(posterior.experiment(posterior.fit.mode + position * slope))
+        return abs(float(relative_errors(*test.histories(solution))[0][place]) - median)
 
     return posterior.experiment(posterior.fit.mode + min(_PLACES, key=miss) * slope)
 
 
+_SMALLEST_SHARE = 0.01  # of the most probable error: a smaller one has the weight of this one
 _PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard deviations of the error
 
 
-def draw_noise_errors(posterior: TestPosterior, draws: int, seed: int = 0) -> tuple[Array, Array]:
+def draw_noise_errors(
+    posterior: TestPosterior, test: TestedStructure, draws: int, seed: int = 0
+) -> tuple[Array, Array]:
     """RMS^R and MTE^R in the most probable world, with the sensors' noise as it may be, each (draws, p)."""
-    channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
     generator, errors = np.random.default_rng(seed), []
     for _ in range(draws):
-        experiment = posterior.mode
-        experiment.noise = channels.draw_noise(generator)
-        rebuilt = rebuild(channels, partition, experiment)
-        errors.append(relative_errors(*channels.band.history(np.stack([rebuilt.error, rebuilt.exact]))))
+        world = posterior.mode
+        world.noise = posterior.circumstances.channels.draw_noise(generator)
+        errors.append(relative_errors(*test.histories(test.solve(world))))
     rms, mte = np.moveaxis(np.array(errors), 1, 0)
     return rms, mte

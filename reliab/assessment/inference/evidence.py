@@ -383,7 +383,7 @@ def _smooth(power: Array, frequency: Array) -> Array:
 def main_frequency(channels: ChannelSpectra) -> float:
     """Frequency [Hz] below which most of the commands' power lies."""
     power = np.abs(channels.interface_command) ** 2
-    total = np.cumsum(power / power.sum(axis=-1, keepdims=True), axis=-1).min(axis=0)
+    total = np.cumsum(power / (power.sum(axis=-1, keepdims=True) + np.finfo(float).tiny), axis=-1).min(axis=0)
     place = int(np.searchsorted(total, _MAIN_POWER))
     return float(channels.band.s.imag[min(place, total.size - 1)] / (2.0 * np.pi))
 

@@ -28,6 +28,8 @@ class Experiment:
     ground_skew: float = 0.0  # Time by which it was recorded late [s]
     force_scale: float = 1.0  # Recorded force over the true one [-]
     force_skew: float = 0.0  # Time by which it was recorded late [s]
+    attached_mass: float = 0.0  # Between load cell and specimen, beyond the stated one [kg]
+    load_path_friction: float = 0.0  # Beyond the stated one [N]
     initial_displacement: float = 0.0  # Error of the command at the first sample [m]
     initial_velocity: float = 0.0  # Its rate over the lowest natural frequency [m]
     ground_interpolation: float = 0.0  # What the computer adds to it over (ω·step)² of it [-]

@@ -91,9 +91,12 @@ class TestPosterior:
 _INFORMED_SHARE = 0.25  # of the variance a priori, that the channels take away
 
 
-def infer(circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0) -> TestPosterior:
-    """Infer what is uncertain about a test from all of its channels."""
-    unknowns, evidence = list_unknowns(circumstances), collect_evidence(circumstances)
+def infer(
+    circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0, from_channels: bool = True
+) -> TestPosterior:
+    """Infer what is uncertain about a test from all of its channels, or leave it as it was before."""
+    unknowns = list_unknowns(circumstances)
+    evidence = collect_evidence(circumstances) if from_channels else ()
     fit = _fit_posterior(circumstances, unknowns, evidence)
     holding = tuple(item for item in evidence if _holds(item, circumstances, unknowns, fit))
     if len(holding) < len(evidence):

@@ -167,6 +167,20 @@ QUANTITIES = (
         option="force_lag",
     ),
     Quantity(
+        name="attached_mass",  # that a learned specimen's force holds beyond the stated one
+        words="mass between load cell and specimen",
+        unit="kg",
+        remedy="Weigh what is mounted between load cell and specimen, and state it.",
+        change=_add_difference("attached_mass"),
+    ),
+    Quantity(
+        name="load_path_friction",
+        words="friction in the load path",
+        unit="N",
+        remedy="Measure the friction of the load path without a specimen, and state it.",
+        change=_add_difference("load_path_friction"),
+    ),
+    Quantity(
         name="ground_scale",  # of the recorded ground acceleration over the one that the computer applied
         words="scale of the ground acceleration",
         unit="%",

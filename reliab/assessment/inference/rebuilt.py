@@ -1,4 +1,4 @@
-"""The error of a test in one possible world.
+"""The error of a test of a linear structure in one possible world.
 
 Subtracting the equation of motion of the undisturbed structure from that of the test leaves, for a linear
 structure and any actuator, with H, h and Z of `structure_response` ::
@@ -12,6 +12,7 @@ another way, x_I = −h a; the difference of the two is what `EquationOfMotion` 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     difference = channels.interface_command - experiment.late(displacement, channels)
     error = _interface_motion(response, difference)
     if experiment.initial_displacement or experiment.initial_velocity:
-        error = error + _free_vibration(structure, experiment, channels.band.s)
+        error = error + channels.band.from_laplace(_free_vibration(structure, experiment, channels.band.s))
     standing_part = np.multiply.outer(channels.standing, channels.constant)
     return RebuiltResponse(
         exact=channels.interface_command - error, displacement=displacement + standing_part, response=response
@@ -60,7 +61,7 @@ def _interface_motion(response: StructureResponse, difference: Spectrum) -> Spec
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:
-    """Error of the command [m], shape (p, K), that dies out from the first sample in the lowest mode."""
+    """Laplace transform of an error of the command [m s], (p, K), that dies out in the lowest mode."""
     frequencies, ratios, shapes = structure.modes
     omega, ratio = 2.0 * np.pi * float(frequencies[0]), float(ratios[0])
     begin, rate = experiment.initial_displacement, omega * experiment.initial_velocity
@@ -73,3 +74,30 @@ def relative_errors(error: Array, exact: Array) -> tuple[Array, Array]:
     """RMS^R and MTE^R [-] of histories of x_m − x_I and x_I [m], shape (…, m); each shape (…)."""
     peak = np.abs(exact).max(axis=-1)
     return np.sqrt((error**2).mean(axis=-1)) / peak, np.abs(error).max(axis=-1) / peak
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinearTest:
+    """Errors of a test of a linear structure, by transfer functions; solutions are spectra, (2, p, K)."""
+
+    channels: ChannelSpectra
+    partition: Partition  # As stated
+
+    @cached_property
+    def places(self) -> Array:
+        """Numbers of the record's samples between those of `histories`, shape (n,)."""
+        band = self.channels.band
+        return np.asarray(np.arange(band.record_samples) * (band.record_step / band.time_step))
+
+    def solve(self, world: Experiment, draw: int | None = None) -> Spectrum:  # noqa: ARG002 - nothing else is drawn
+        """x_m − x_I and x_I [m] in a possible world."""
+        rebuilt = rebuild(self.channels, self.partition, world)
+        return np.stack([rebuilt.error, rebuilt.exact])
+
+    def histories(self, solution: Spectrum) -> Array:
+        """Both at the samples that hold the motion, shape (2, p, m)."""
+        return self.channels.band.history(solution)
+
+    def on_record(self, solution: Spectrum) -> Array:
+        """Both at the samples of the record, shape (2, p, n)."""
+        return self.channels.band.full_history(solution)

@@ -10,7 +10,7 @@ what the law misses: members are drawn apart until the forces of two differ by w
 by (inflation of parameter uncertainties, Pernot 2017, Journal of Chemical Physics 147, 104102).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -18,18 +18,12 @@ from typing import Final
 import numpy as np
 import scipy
 
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
 from reliab.assessment.measured_specimen.path import MeasuredPath, fit
-from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.interval import (
-    Histories,
-    StandardDeviations,
-    draw_unknown,
-    inputs_of_reading,
-)
 from reliab.assessment.rebuilt_error.recursion import Recursion
-from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.structures.partition import Partition
@@ -41,11 +35,7 @@ _SEED = 21
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _DEVIATION_FACTOR = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
 _ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed, unless it is linear
-_STRUCTURE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
-_CHANNEL_QUANTITIES = ("force_lag", "attached_mass", "load_path_friction")
-
-FORCE_QUANTITIES: Final = ("specimen", "mass", *_CHANNEL_QUANTITIES)
-"""What is not known of specimen, mass and force, by name."""
+_FORCE_QUANTITIES: Final = ("mass", "force_lag", "attached_mass", "load_path_friction")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,25 +124,24 @@ class Members:
 class _Draw:
     """A draw of what is not known of a test."""
 
-    measured: Array  # Displacement of the specimen [m], shape (n,)
-    response: Array  # What a perfect actuator would have given [m], shape (n,)
+    measured: Array  # Displacement of the specimen [m], shape (m,)
+    response: Array  # What a perfect actuator would have given [m], shape (m,)
     specimen: LearnedSpecimen
-    structure: Partition
-    mass: float  # By which the force is divided, over the mass as stated [-]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LearnedTest:
+class LearnedTest(SimulatedTest):
     """A test with all that was learned of its specimen."""
 
-    thin: Histories
+    measured: Array  # x_m without noise [m], shape (m,)
     path: MeasuredPath
     whole: Partition  # The structure with its specimen as stated [kg, N·s/m, N/m]
     mass_deviation: float  # Of the mass, over the mass [-]
     feedback_lag: float  # Time by which the force was fed back late [s]
     channel: ForceChannel
-    added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, n)
+    added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, m)
     learned: tuple[LearnedSpecimen, ...]  # The best first
+    seed: int  # Of draws of the specimen
 
     @cached_property
     def weights(self) -> Array:
@@ -167,182 +156,107 @@ class LearnedTest:
 
     @cached_property
     def _numerical(self) -> Recursion:
-        return self._recursion([0.0, 0.0, 0.0])
+        return Recursion.from_force(self.whole.numerical_substructure, self.time_step)
 
-    def _recursion(self, relative: list[float]) -> Recursion:
-        """Recursion of the numerical substructure, relative changes of each stated value given."""
-        return Recursion.from_force(
-            self._scale_structure(relative).numerical_substructure, self.thin.time_step
-        )
+    def _recursion(self, world: Experiment) -> Recursion:
+        """Recursion of the numerical substructure in a possible world."""
+        if (world.frequency, world.damping_ratio, world.share) == (1.0, 1.0, 1.0):
+            return self._numerical
+        return Recursion.from_force(self.structure(world).numerical_substructure, self.time_step)
 
-    def _scale_structure(self, relative: list[float]) -> Partition:
-        """Structure with relative changes of each stated value."""
-        frequency, damping_ratio, share = (max(1.0 + change, _LEAST) for change in relative)
+    def structure(self, world: Experiment) -> Partition:
+        """Structure with its specimen in a possible world."""
         largest_share = 1.0 / float(self.whole.static_transfer[0, 0])  # of a stiffness, none is negative
         return self.whole.scale(
-            frequency=frequency, damping_ratio=damping_ratio, share=min(share, largest_share)
+            frequency=world.frequency,
+            damping_ratio=world.damping_ratio,
+            share=min(max(world.share, _LEAST), largest_share),
         )
 
     def response(self, specimen: LearnedSpecimen, displacement: Array, *, late: bool = True) -> Array:
-        """Exact response, had the actuator moved as given along the command [m], shape (n,).
+        """Exact response, had the actuator moved as given along the command [m], shape (m,).
 
         `late`: whether the force was fed back late, if so it was stated.
         """
         fed_back_force = self._record_force(
             self.force_of(specimen, displacement), displacement, self.channel.values
         )
-        fed_back_force = self._late(fed_back_force, 0.0) if late else fed_back_force
+        fed_back_force = self._late(fed_back_force, self.feedback_lag) if late else fed_back_force
         return _require_bounded(self._respond(specimen, fed_back_force, self._numerical))
 
     def is_bounded(self, specimen: LearnedSpecimen) -> bool:
         """Whether the exact response with a specimen stays bounded."""
-        force = self.force_of(specimen, self.thin.measured)
-        response = self._respond(specimen, force, self._numerical)
-        return bool(np.isfinite(response).all())
+        force = self.force_of(specimen, self.measured)
+        return bool(np.isfinite(self._respond(specimen, force, self._numerical)).all())
 
     def force_of(self, specimen: LearnedSpecimen, displacement: Array) -> Array:
         """Force of the specimen along a path [N], shape (n,)."""
-        rows = specimen.elements.follow_path(displacement, self.thin.time_step, self.path.energy_share)
+        rows = specimen.elements.follow_path(displacement, self.time_step, self.path.energy_share)
         return np.asarray(specimen.coefficients @ rows)
 
     def _record_force(self, force: Array, displacement: Array, values: Array) -> Array:
         """Force of the specimen [N] as the channel passes it, with lag, mass and friction as given."""
         if not values.any():
             return force
-        return np.asarray(force + values @ columns_of_channel(force, displacement, self.thin.time_step))
+        return np.asarray(force + values @ columns_of_channel(force, displacement, self.time_step))
 
-    def _late(self, force: Array, additional_lag: float) -> Array:
-        """Force as it was fed back [N], late as stated and by a further time [s]."""
-        lag = self.feedback_lag + additional_lag
-        return force - lag * np.gradient(force, self.thin.time_step) if lag else force
+    def _late(self, force: Array, lag: float) -> Array:
+        """Force as it was fed back [N], by a time late [s]."""
+        return force - lag * np.gradient(force, self.time_step) if lag else force
 
     def _respond(self, specimen: LearnedSpecimen, test_force: Array, numerical: Recursion) -> Array:
         """Exact response [m], not finite where it diverges."""
-        thin = self.thin
         return specimen.elements.respond(
-            specimen.coefficients, thin.command, test_force, thin.time_step, self.path.energy_share, numerical
+            specimen.coefficients, self.command, test_force, self.time_step, self.path.energy_share, numerical
         )
 
     @property
     def deviations_of_force(self) -> dict[str, float]:
-        """Standard deviations of what is not known of specimen, force and mass, in SI units or relative."""
-        deviations = (self.unexplained_force, self.mass_deviation, *self.channel.deviations.tolist())
-        return dict(zip(FORCE_QUANTITIES, deviations, strict=True))
+        """Standard deviations of what is not known of mass and force, in SI units or relative."""
+        deviations = (self.mass_deviation, *self.channel.deviations.tolist())
+        return dict(zip(_FORCE_QUANTITIES, deviations, strict=True))
 
-    def draw_force_quantities(self, number: int, seed: int) -> dict[str, Array]:
-        """Draw what is not known of specimen, force and mass, by name, each shape (number,)."""
-        normal = np.random.default_rng([seed, 1]).standard_normal((len(FORCE_QUANTITIES), number))
-        return {
-            name: deviation * row
-            for (name, deviation), row in zip(self.deviations_of_force.items(), normal, strict=True)
-        }
-
-    def spread(
-        self,
-        differences: Array,
-        unknown: StandardDeviations,
-        places: Array,
-        seed: int,
-        *,
-        force_quantities: Sequence[str] = (),
-        vary_members: bool = True,
-    ) -> Spread:
-        """Errors of draws, one for each of the `differences` x_c − x_m [m], shape (draws, n).
-
-        `force_quantities`: which of `OF_FORCE` are drawn; `vary_members`: whether families and coefficients
-        are.
-        """
-        sizes, errors = [], []
-        for draw in self._draw_tests(
-            differences, unknown, seed, force_quantities=force_quantities, vary_members=vary_members
-        ):
-            error = draw.measured - draw.response
-            sizes.append(relative_errors(error, draw.response))
-            errors.append(error)
-        rms, mte = np.array(sizes).T
-        simulated_places = np.arange(self.thin.command.size)
-        return Spread(
-            rms=rms,
-            mte=mte,
-            mean=np.interp(places, simulated_places, np.mean(errors, axis=0)),
-            deviation=np.interp(places, simulated_places, np.std(errors, axis=0)),
+    @cached_property
+    def _members(self) -> tuple[Members, ...]:
+        return tuple(
+            Members(specimen=specimen, path=self.path, command=self.command) for specimen in self.learned
         )
 
-    def _draw_tests(
-        self,
-        differences: Array,
-        unknown: StandardDeviations,
-        seed: int,
-        *,
-        force_quantities: Sequence[str],
-        vary_members: bool,
-    ) -> Iterator["_Draw"]:
-        generator = np.random.default_rng(seed)
-        draws, blocks = len(differences), self.path.blocks[-1] + 1
-        quantities, _ = draw_unknown(unknown, draws, seed)
-        inputs, shifts = inputs_of_reading(self.thin, quantities)
-        force_values = {
-            name: row * (name in force_quantities)
-            for name, row in self.draw_force_quantities(draws, seed).items()
-        }
-        families = generator.choice(len(self.learned), size=draws, p=self.weights) * vary_members
-        members = {
-            family: Members(specimen=self.learned[family], path=self.path, command=self.thin.command)
-            for family in np.unique(families).tolist()
-        }
-        for row, difference in enumerate(differences):
-            draw_values = {name: float(values[row]) for name, values in (quantities | force_values).items()}
-            yield self._draw(
-                members[int(families[row])],
-                generator.exponential(size=blocks) if vary_members else np.ones(blocks),
-                self.thin.command - difference - shifts[row] @ inputs,
-                draw_values,
-                spread_members="specimen" in force_quantities,
-            )
+    def solve(self, world: Experiment, draw: int | None = None) -> Array:
+        """x_m − x_I and x_I [m] in a possible world, with the specimen as it was learned, or a draw of it."""
+        drawn = self._draw(world, draw)
+        return np.stack([drawn.measured - drawn.response, drawn.response])[:, np.newaxis]
 
-    def _draw(
-        self,
-        members: Members,
-        counts: Array,
-        measured_displacement: Array,
-        quantities: dict[str, float],
-        *,
-        spread_members: bool,
-    ) -> "_Draw":
+    def _draw(self, world: Experiment, draw: int | None) -> _Draw:
         """Response with a member, or with the family itself where that of a member diverges."""
-        channel_deviations = np.array([quantities[name] for name in _CHANNEL_QUANTITIES])
+        family, counts, chance = 0, np.ones(self.path.blocks[-1] + 1), 0.0
+        if draw is not None:
+            generator = np.random.default_rng([self.seed, draw])
+            family = int(generator.choice(len(self.learned), p=self.weights))
+            counts, chance = generator.exponential(size=counts.size), float(generator.standard_normal())
+        members, measured = self._members[family], self.displacement(world)
+        deviations = np.array([world.force_skew, world.attached_mass, world.load_path_friction])
         target_force = self.path.force_seen
-        if channel_deviations.any():
-            target_force = target_force - channel_deviations @ self.path.thin(self.added)
-        relative = [quantities[name] for name in _STRUCTURE_QUANTITIES]
-        numerical = self._recursion(relative) if any(relative) else self._numerical
-        mass = max(1.0 + quantities["mass"], _LEAST)
-        for far in (members.spread_factor if spread_members else 1.0, 0.0):
+        if deviations.any():
+            target_force = target_force - deviations @ self.path.thin(self.added)
+        numerical, mass = self._recursion(world), max(world.force_scale, _LEAST)
+        for far in (0.0,) if draw is None else (members.spread_factor, 0.0):
             member, command_force = members.member(counts, target_force, far)
             specimen = replace(member, coefficients=member.coefficients / mass)
-            force = self._acting(
-                specimen, measured_displacement, command_force / mass, quantities["specimen"]
-            )
-            force = self._record_force(force, measured_displacement, self.channel.values + channel_deviations)
-            force = self._late(force, quantities["feedback_lag"])
-            response = self._respond(specimen, force, numerical)
+            force = self._acting(specimen, measured, command_force / mass, chance)
+            force = self._record_force(force, measured, self.channel.values + deviations)
+            response = self._respond(specimen, self._late(force, world.feedback_lag), numerical)
             if np.isfinite(response).all():
                 break
-        return _Draw(
-            measured=measured_displacement,
-            response=_require_bounded(response),
-            specimen=specimen,
-            structure=self._scale_structure(relative),
-            mass=mass,
-        )
+        return _Draw(measured=measured, response=_require_bounded(response), specimen=specimen)
 
     def _acting(
-        self, specimen: LearnedSpecimen, measured_displacement: Array, command_force: Array, deviation: float
+        self, specimen: LearnedSpecimen, measured_displacement: Array, command_force: Array, chance: float
     ) -> Array:
         """Force along a measured path [N] whose difference from that along the command is off."""
-        relative_deviation = deviation * _deviation(specimen) / (self.unexplained_force or 1.0)
+        factor = max(1.0 + chance * _deviation(specimen), _LEAST)
         force = self.force_of(specimen, measured_displacement)
-        return np.asarray(command_force + max(1.0 + relative_deviation, _LEAST) * (force - command_force))
+        return np.asarray(command_force + factor * (force - command_force))
 
     def work_of(
         self, specimen: LearnedSpecimen, measured_displacement: Array, response: Array, *, mass: float = 1.0
@@ -363,22 +277,21 @@ class LearnedTest:
         return np.asarray(share * np.bincount(blocks, residual * np.gradient(measured_displacement)))
 
     def exact_of_draws(
-        self, differences: Array, unknown: StandardDeviations, seed: int
+        self, worlds: Iterable[tuple[int, Experiment]]
     ) -> Iterator[tuple[Partition, Array, Array, float]]:
-        """Structures, exact responses [m] and forces along them [N], both shape (1, n), and works [J].
+        """Structures, exact responses [m] and forces along them [N], both shape (1, m), and works [J].
 
-        Each force is off by what its family misses of held-out parts, each work as blocks scatter.
+        `worlds`: numbers of draws and possible worlds. Each force is off by what its family misses of
+        held-out parts, each work as blocks scatter.
         """
-        chance = np.random.default_rng([seed, 2]).standard_normal(len(differences)).tolist()
-        scatter = float(np.linalg.norm(self._work_missed(self.learned[0], self.thin.measured, 1.0)))
-        draws = self._draw_tests(
-            differences, unknown, seed, force_quantities=FORCE_QUANTITIES, vary_members=True
-        )
-        for draw, off in zip(draws, chance, strict=True):
+        generator = np.random.default_rng([self.seed, 2])
+        scatter = float(np.linalg.norm(self._work_missed(self.learned[0], self.measured, 1.0)))
+        for number, world in worlds:
+            draw, off = self._draw(world, number), float(generator.standard_normal())
             force = self.force_of(draw.specimen, draw.response)
             force += off * draw.specimen.missed * float(np.std(force))
-            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=draw.mass)
-            yield draw.structure, draw.response[np.newaxis], force[np.newaxis], work + off * scatter
+            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=world.force_scale)
+            yield self.structure(world), draw.response[np.newaxis], force[np.newaxis], work + off * scatter
 
 
 def _deviation(specimen: LearnedSpecimen) -> float:

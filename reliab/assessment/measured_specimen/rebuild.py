@@ -16,15 +16,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inferred_error import infer_errors, stated_circumstances
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learned_test import FORCE_QUANTITIES, LearnedTest
+from reliab.assessment.measured_specimen.learned_test import LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
-from reliab.assessment.rebuilt_error.difference_draws import draw_differences
-from reliab.assessment.rebuilt_error.error_statistics import relative_errors
-from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
-from reliab.assessment.rebuilt_error.interval import EXACT, Histories, StandardDeviations, draw_unknown
-from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise, white_floor
+from reliab.assessment.rebuilt_error.error_statistics import relative_error, relative_errors
+from reliab.assessment.rebuilt_error.histories import Histories
+from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.assessment.rebuilt_error.parts import (
     AMPLITUDE,
     DELAY,
@@ -36,11 +36,11 @@ from reliab.assessment.rebuilt_error.parts import (
     part_of,
     parts_of,
 )
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
+from reliab.assessment.rebuilt_error.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.widenings import Widening, widening_alone, widenings
+from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.threads import one_thread
@@ -53,7 +53,6 @@ DRAWS = 64
 DRAWS_OF_LINEAR = 256
 """The same where the specimen is linear, as many as of a stated one."""
 
-_NOMINAL_STRIDE = 4  # draws of which one is of noise and specimen alone, behind the value
 _LEAST_RATE = 256.0  # samples in a second, and in a period, that are simulated
 _SAMPLES_PER_PERIOD = 100.0
 _FORESEEN = 0.01  # of a displacement, that the specimen's force at the end of a step may move at most
@@ -102,45 +101,41 @@ class MeasuredSpecimen:
         Amplitude and delay are the errors that an actuator with these alone would have made along the same
         command, and their effect on each other counts as neither.
         """
-        thin, error = self.test.thin, self._error
-        gain, delay, differences = follow(thin.command, thin.measured, thin.time_step)
+        test, error = self.test, self._error
+        gain, delay, differences = follow(test.command, test.measured, test.time_step)
         pieces = {
-            name: self._error_of_displacement(thin.command - differences[name]) for name in (AMPLITUDE, DELAY)
+            name: self._error_of_displacement(test.command - differences[name]) for name in (AMPLITUDE, DELAY)
         }
         tracking_error = error
-        if self.test.feedback_lag:
-            tracking_error = self._error_of_displacement(thin.measured)
+        if test.feedback_lag:
+            tracking_error = self._error_of_displacement(test.measured)
             pieces[FED_BACK_FORCE] = error - tracking_error
         pieces[NEITHER] = tracking_error - pieces[AMPLITUDE] - pieces[DELAY]
         return parts_of(
-            gain, delay, {name: self._interpolate(piece) for name, piece in pieces.items()}, self._peak
+            gain, delay, {name: test.interpolate(piece) for name, piece in pieces.items()}, self._peak
         )
 
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: self.rebuilt.every]))
-        return part_of(self._interpolate(piece), self._interpolate(self._error), self._peak)
+        test = self.test
+        piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: test.every]))
+        return part_of(test.interpolate(piece), test.interpolate(self._error), self._peak)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
-        rebuilt, seed = self.rebuilt, self.rebuilt.seed
-        draws = rebuilt.draws.rms.size
-        quantities, _ = draw_unknown(rebuilt.unknown, draws, seed)
-        force_quantities = self.test.draw_force_quantities(draws, seed)
-        del force_quantities["specimen"]  # whose families and coefficients are drawn, too
-        deviations = rebuilt.unknown.deviations() | self.test.deviations_of_force
-        nominal_differences, places = (
-            _select_nominal(rebuilt.differences, draws),
-            np.arange(rebuilt.reference.size) / rebuilt.every,
+        parts = self.rebuilt.inferred.widenings(metric)
+        return tuple(sorted((*parts, self._widening(metric)), key=lambda part: -part.contribution))
+
+    def _widening(self, metric: Metric) -> Widening:
+        """Find what the interval owes to what the force leaves open of the specimen."""
+        as_stated = Experiment.as_stated(actuators=1)
+        draws = [self.test.solve(as_stated, draw)[:, 0] for draw in range(DRAWS)]
+        return self.rebuilt.inferred.widening_alone(
+            "specimen",
+            np.array([relative_error(error, exact, metric) for error, exact in draws]),
+            metric,
+            deviation=self.test.unexplained_force,
         )
-        noise_spread = self.test.spread(nominal_differences, EXACT, places, seed, vary_members=False)
-        quiet = np.broadcast_to(rebuilt.differences.mean(axis=0), nominal_differences.shape)
-        specimen_spread = self.test.spread(quiet, EXACT, places, seed, force_quantities=("specimen",))
-        parts = widenings(rebuilt.draws, quantities | force_quantities, deviations, noise_spread, metric)
-        specimen = widening_alone(
-            "specimen", rebuilt.draws, specimen_spread, metric, self.test.unexplained_force
-        )
-        return tuple(sorted((*parts, specimen), key=lambda part: -part.contribution))
 
     def _error_of_displacement(self, displacement: Array) -> Array:
         """Error of an actuator that moves like this along the command [m], at the simulated samples."""
@@ -149,16 +144,12 @@ class MeasuredSpecimen:
     @property
     def _error(self) -> Array:
         """Error of the test [m], at the simulated samples."""
-        measured_displacement = self.test.thin.measured
-        return measured_displacement - self.test.response(self.test.learned[0], measured_displacement)
+        measured = self.test.measured
+        return measured - self.test.response(self.test.learned[0], measured)
 
     @property
     def _peak(self) -> float:
         return float(np.abs(self.rebuilt.reference).max())
-
-    def _interpolate(self, values: Array) -> Array:
-        places = np.arange(self.rebuilt.reference.size) / self.rebuilt.every
-        return np.interp(places, np.arange(values.size), values)
 
 
 def rebuild_with_force(
@@ -184,14 +175,19 @@ def rebuild_with_force(
     holds beside that of the specimen, all of which was fed back.
     """
     with one_thread():
-        command, measured_displacement = check_histories(command, measured_displacement, time_step, structure)
-        force = _check_force(force, measured_displacement)
+        readings = Readings.from_histories(
+            command,
+            measured_displacement,
+            time_step,
+            structure,
+            sensor_offset=sensor_offset,
+            resolution=resolution,
+        )
+        command, noise = readings.command, readings.noise
+        force = _check_force(force, command)
         stride = _samples_in_step(structure, time_step)
         require_fitting(command.size, stride, time_step)
-        noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
-        start = start_of_test(command, measured_displacement, time_step, structure, noise, sensor_offset)
-        read = measured_displacement - start.offset
-        smooth = noise.smooth(command - read)
+        smooth = noise.smooth(command - readings.read)
         histories = Histories(
             command=command, measured=command - smooth, fed_back=smooth, time_step=time_step
         )
@@ -203,7 +199,10 @@ def rebuild_with_force(
             histories, force, recorded_force - channel.values @ channel_columns, stride, noise, structure
         )
         test = LearnedTest(
-            thin=thin,
+            channels=replace(readings.channels, drift_size=np.zeros(1), initial_size=0.0),
+            recorded_command=command,
+            every=stride,
+            measured=thin.measured,
             path=path,
             whole=structure,
             mass_deviation=mass_deviation,
@@ -211,10 +210,11 @@ def rebuild_with_force(
             channel=channel,
             added=channel_columns,
             learned=tuple(learn_specimen(path)),
+            seed=seed,
         )
         bounded_specimens = tuple(specimen for specimen in test.learned if test.is_bounded(specimen))
         test = replace(test, learned=bounded_specimens or test.learned[:1])
-        return _conclude(test, histories, read, stride, noise, start, tolerances or Tolerances(), seed)
+        return _conclude(test, readings, histories, tolerances or Tolerances())
 
 
 def _samples_in_step(structure: Partition, time_step: float) -> int:
@@ -257,61 +257,38 @@ def _path(
 
 
 def _conclude(
-    test: LearnedTest,
-    histories: Histories,
-    read: Array,
-    stride: int,
-    noise: SensorNoise,
-    start: Start,
-    tolerances: Tolerances,
-    seed: int,
+    test: LearnedTest, readings: Readings, histories: Histories, tolerances: Tolerances
 ) -> MeasuredSpecimen:
-    """Draw what is not known, and put the error together; `read` [m]."""
-    command, thin, specimens = histories.command, test.thin, test.learned
-    unknown = StandardDeviations(tolerances=tolerances, offset=start.offset_deviation, error_at_start=0.0)
-    draws = DRAWS_OF_LINEAR if specimens[0].linear else DRAWS
-    lowest = float(test.whole.natural_frequencies[0])
-    differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
-    responses = [test.response(specimen, thin.measured) for specimen in specimens]
-    reference = responses[0]
-    places, simulated_places = np.arange(command.size) / stride, np.arange(thin.command.size)
-    nominal_differences = _select_nominal(differences, draws)
+    """Draw what is not known, and put the error together."""
+    specimens = test.learned
+    circumstances = stated_circumstances(test.channels, test.whole, tolerances, test.feedback_lag)
+    deviations = {name: deviation for name, deviation in test.deviations_of_force.items() if deviation}
+    inferred = infer_errors(
+        replace(circumstances, left_by_faults={**circumstances.left_by_faults, **deviations}),
+        test.every,
+        test.seed,
+        draws=DRAWS_OF_LINEAR if specimens[0].linear else DRAWS,
+        test=test,
+    )
+    responses = [test.response(specimen, test.measured) for specimen in specimens]
     return MeasuredSpecimen(
         test=test,
-        rebuilt=conclude(
-            histories,
-            read,
-            command - np.interp(places, simulated_places, thin.command - reference),
-            structure=test.whole,
-            noise=noise,
-            nominal_spread=test.spread(nominal_differences, EXACT, places, seed),
-            spread=test.spread(differences, unknown, places, seed, force_quantities=FORCE_QUANTITIES),
-            differences=differences,
-            stride=stride,
-            unknown=unknown,
-            start=start,
-            seed=seed,
-        ),
+        rebuilt=readings.error_with(histories, test.whole, inferred),
         families=tuple(
             FamilyOfSpecimen(
                 name=specimen.family,
                 weight=float(weight),
                 held_out=specimen.held_out,
-                rms=relative_errors(thin.measured - response, response)[0],
+                rms=relative_errors(test.measured - response, response)[0],
             )
             for specimen, weight, response in zip(specimens, test.weights, responses, strict=True)
         ),
-        force=np.interp(places, simulated_places, test.force_of(specimens[0], reference)),
-        fed_back=np.interp(places, simulated_places, test.force_of(specimens[0], thin.measured)),
-        work=test.work_of(specimens[0], thin.measured, reference),
+        force=test.interpolate(test.force_of(specimens[0], responses[0])),
+        fed_back=test.interpolate(test.force_of(specimens[0], test.measured)),
+        work=test.work_of(specimens[0], test.measured, responses[0]),
         late=late_by(test.path, specimens[0], test.added[0]),
-        beyond=_range_excess(reference, thin.measured),
+        beyond=_range_excess(responses[0], test.measured),
     )
-
-
-def _select_nominal(differences: Array, draws: int) -> Array:
-    """Give some histories of x_c − x_m, without slow noise."""
-    return differences[: 2 * draws // _NOMINAL_STRIDE : 2]
 
 
 def _check_force(force: Array, measured_displacement: Array) -> Array:

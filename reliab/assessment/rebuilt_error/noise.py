@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array, read_only
@@ -105,16 +104,6 @@ class SensorNoise:
     def smooth(self, values: Array) -> Array:
         """Return histories, shape (…, n), without what lies above the band, and without delay."""
         return filter_symmetrically(values, self.filter)
-
-    def filtered_density(self, frequency: Array) -> Array:
-        """Return the density [m²] of the noise that the filter lets pass at frequencies [Hz]."""
-        reach = self.filter.size // 2
-        if reach == 0:
-            return self.density(frequency)
-        points = scipy.fft.next_fast_len(max(8 * self.filter.size, 4096), real=True)
-        gain = np.abs(scipy.fft.rfft(self.filter, points))
-        places = frequency * (self.time_step * points)
-        return np.asarray(self.density(frequency) * np.interp(places, np.arange(gain.size), gain) ** 2)
 
 
 def estimate_noise(

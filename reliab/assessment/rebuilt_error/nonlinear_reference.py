@@ -16,24 +16,17 @@ this is the equation of `rebuild`.
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.difference_draws import draw_differences
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.initial import check_histories, start_of_test
-from reliab.assessment.rebuilt_error.interval import (
-    EXACT,
-    Histories,
-    StandardDeviations,
-    draw_unknown,
-    inputs_of_reading,
-)
-from reliab.assessment.rebuilt_error.noise import estimate_noise
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, conclude
-from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.spread import Spread, spread_of_draws
+from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.simulated import SimulatedTest
+from reliab.assessment.inferred_error import infer_errors, stated_circumstances
+from reliab.assessment.rebuilt_error.histories import Histories
+from reliab.assessment.rebuilt_error.rebuild import Readings, RebuiltError
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -47,7 +40,7 @@ from reliab.structures.partition import Partition
 DRAWS = 64
 """Number of draws of the specimen and of everything else that is uncertain."""
 
-_DRAWS_AS_STATED = 16  # of the noise alone, behind the value
+_LARGEST_RATIO = 0.99
 _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
 
 
@@ -87,37 +80,27 @@ def rebuild_with_specimen(
         structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
     )
     tangent = tangent_structure(perfect)
-    command, measured_displacement = check_histories(command, measured_displacement, time_step, tangent)
-    lowest = float(tangent.natural_frequencies[0])
-    stride = samples_in_step_of_simulation(lowest, time_step)
-    require_fitting(command.size, stride, time_step)
-    noise = estimate_noise(command, measured_displacement, time_step)
-    start = start_of_test(command, measured_displacement, time_step, tangent, noise, sensor_offset)
-    read = measured_displacement - start.offset
-    difference = noise.smooth(command - read)
+    readings = Readings.from_histories(
+        command, measured_displacement, time_step, tangent, sensor_offset=sensor_offset
+    )
+    command, noise = readings.command, readings.noise
+    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), time_step)
+    modelled = ModelledTest(
+        model=perfect,
+        deviations=deviations or {},
+        channels=readings.channels,
+        recorded_command=command,
+        every=stride,
+        seed=seed,
+    )
+    channels = replace(readings.channels, drift_size=np.zeros(1), initial_size=0.0)
+    circumstances = stated_circumstances(channels, tangent, tolerances or Tolerances(), feedback_lag=0.0)
+    inferred = infer_errors(circumstances, stride, seed, draws=draws, test=modelled)
+    difference = noise.smooth(command - readings.read)
     histories = Histories(
         command=command, measured=command - difference, fed_back=difference, time_step=time_step
     )
-    reference = reference_of_model(perfect, histories)
-    unknown = StandardDeviations(
-        tolerances=tolerances or Tolerances(), offset=start.offset_deviation, error_at_start=0.0
-    )
-    differences = draw_differences(command, read, noise, lowest, stride, draws, seed)
-    nominal_differences = differences[: 2 * _DRAWS_AS_STATED : 2]
-    return conclude(
-        histories,
-        read,
-        reference,
-        structure=tangent,
-        noise=noise,
-        nominal_spread=sweep_model(perfect, histories, {}, EXACT, nominal_differences, stride, seed=seed),
-        spread=sweep_model(perfect, histories, deviations or {}, unknown, differences, stride, seed=seed),
-        differences=differences,
-        stride=stride,
-        unknown=unknown,
-        start=start,
-        seed=seed,
-    )
+    return readings.error_with(histories, tangent, inferred)
 
 
 def tangent_structure(test: HybridTest) -> Partition:
@@ -146,93 +129,57 @@ def tangent_structure(test: HybridTest) -> Partition:
     )
 
 
-def reference_of_model(perfect: HybridTest, histories: Histories, *, command: Motion3 | None = None) -> Array:
-    """x_I [m]: the model with a perfect actuator under the demand that is computed from the test.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelledTest(SimulatedTest):
+    """Errors of a test whose specimen has a model."""
 
-    `command`: motion of the command, where it is known already.
-    """
-    step, numerical = histories.time_step, perfect.substructure
-    motion = (command or Motion3.interpolate(histories.command, step)).values
-    force = load(perfect, Motion3.interpolate(histories.measured, step))
-    demand = -(
-        motion[2] + numerical.damping * motion[1] + numerical.stiffness * motion[0] + force / perfect.mass
-    )
-    reference = run_closed_loop(perfect, demand, step).command.values[0]
-    if not np.isfinite(reference).all():
-        raise InputError(
-            "The model must stay bounded under the demand of the test",
-            remedy="Calibrate the specimen on tests as large as this one",
-        )
-    return np.asarray(reference, dtype=np.float64)
+    model: HybridTest  # With a perfect actuator
+    deviations: Mapping[str, float]  # Standard deviations of the model's parameters
+    seed: int  # Of draws of the parameters
 
+    @cached_property
+    def _motion(self) -> Motion3:
+        return Motion3.interpolate(self.command, self.time_step)
 
-def sweep_model(
-    model: HybridTest,
-    histories: Histories,
-    deviations: Mapping[str, float],
-    unknown: StandardDeviations,
-    differences: Array,
-    stride: int,
-    *,
-    seed: int,
-) -> Spread:
-    """Draw the error with a model of the specimen, with a perfect actuator, for each of the `differences`.
-
-    `differences` [m]: draws of x_c − x_m at each `stride`-th sample; `deviations` of the model's parameters.
-    """
-    thin = histories.thin(stride)
-    command = Motion3.interpolate(thin.command, thin.time_step)
-    generator = np.random.default_rng(seed)
-    nominal = _statistics(thin.measured, reference_of_model(model, thin, command=command))
-    fine = _statistics(histories.measured, reference_of_model(model, histories))
-    scale = np.divide(fine, nominal, out=np.ones(3), where=nominal > 0.0)
-    rows, errors = [], []
-    quantities, _ = draw_unknown(unknown, len(differences), seed)
-    inputs, shifts = inputs_of_reading(thin, quantities)
-    for row, difference in enumerate(differences):
-        frequency, ratio = (float(quantities[name][row]) for name in ("frequency", "damping_ratio"))
-        model_draw = _draw_model(model, deviations, frequency, ratio, generator)
-        measured_displacement = thin.command - difference - shifts[row] @ inputs
-        draw_histories = Histories(
-            command=thin.command,
-            measured=measured_displacement,
-            fed_back=thin.command - measured_displacement,
-            time_step=thin.time_step,
-        )
-        reference = reference_of_model(model_draw, draw_histories, command=command)
-        rows.append(_statistics(measured_displacement, reference) * scale)
-        errors.append(measured_displacement - reference)
-    places = np.arange(histories.command.size) / stride
-    return spread_of_draws(np.array(rows), np.mean(errors, axis=0), np.std(errors, axis=0), places)
-
-
-def _statistics(measured_displacement: Array, reference: Array) -> Array:
-    error = measured_displacement - reference
-    return np.array([mean_square(error), np.abs(error).max(), np.abs(reference).max()])
-
-
-def _draw_model(
-    perfect: HybridTest,
-    deviations: Mapping[str, float],
-    frequency: float,
-    damping_ratio: float,
-    generator: np.random.Generator,
-) -> HybridTest:
-    """Draw a model; relative changes of the frequency and of the damping ratio as drawn [-]."""
-    structure, specimen = perfect.structure, perfect.specimen
-    if structure is None or specimen is None:
-        raise AssertionError  # tangent_structure has looked
-    stiffness = specimen.stiffness + generator.standard_normal() * deviations.get("stiffness_n_per_m", 0.0)
-    return replace(
-        perfect,
-        structure=replace(
+    def solve(self, world: Experiment, draw: int | None = None) -> Array:
+        """x_m − x_I and x_I [m]; the model with a perfect actuator under the demand of the test."""
+        model = self.model if draw is None else self.draw_model(draw)
+        structure = model.structure
+        if structure is None:
+            raise AssertionError  # tangent_structure has looked
+        structure = replace(
             structure,
-            frequency=structure.frequency * max(1.0 + frequency, _LEAST),
-            damping_ratio=min(structure.damping_ratio * max(1.0 + damping_ratio, _LEAST), 0.99),
-        ),
-        specimen=replace(specimen, stiffness=max(stiffness, 0.0)),
-        effects=tuple(_draw_effect(effect, deviations, generator) for effect in perfect.effects),
-    )
+            frequency=structure.frequency * world.frequency,
+            damping_ratio=min(structure.damping_ratio * world.damping_ratio, _LARGEST_RATIO),
+        )
+        measured = self.displacement(world)
+        exact = self._respond(replace(model, structure=structure), measured)
+        return np.stack([measured - exact, exact])[:, np.newaxis]
+
+    def _respond(self, model: HybridTest, measured: Array) -> Array:
+        step, numerical, motion = self.time_step, model.substructure, self._motion.values
+        force = load(model, Motion3.interpolate(measured, step))
+        demand = -(
+            motion[2] + numerical.damping * motion[1] + numerical.stiffness * motion[0] + force / model.mass
+        )
+        exact = run_closed_loop(model, demand, step).command.values[0]
+        if not np.isfinite(exact).all():
+            raise InputError(
+                "The model must stay bounded under the demand of the test",
+                remedy="Calibrate the specimen on tests as large as this one",
+            )
+        return np.asarray(exact, dtype=np.float64)
+
+    def draw_model(self, draw: int) -> HybridTest:
+        """Draw the parameters of the specimen."""
+        generator, specimen = np.random.default_rng((self.seed, draw)), self.model.specimen
+        if specimen is None:
+            raise AssertionError  # tangent_structure has looked
+        deviation = self.deviations.get("stiffness_n_per_m", 0.0)
+        stiffness = specimen.stiffness + generator.standard_normal() * deviation
+        effects = (_draw_effect(effect, self.deviations, generator) for effect in self.model.effects)
+        specimen = replace(specimen, stiffness=max(stiffness, 0.0))
+        return replace(self.model, specimen=specimen, effects=tuple(effects))
 
 
 def _draw_effect(effect: Effect, deviations: Mapping[str, float], generator: np.random.Generator) -> Effect:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.interval import Histories
+from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.arrays import Array
 from reliab.core.plain_values import finite

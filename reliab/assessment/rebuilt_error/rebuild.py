@@ -17,33 +17,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.error_draws import typical_world
+from reliab.assessment.inference.posterior import DRAWS
+from reliab.assessment.inferred_error import InferredError, infer_errors, stated_circumstances
+from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
-from reliab.assessment.rebuilt_error.interval import (
-    EXACT,
-    Histories,
-    StandardDeviations,
-    draw_unknown,
-    exact_of_draws,
-    sweep,
-)
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts, divide, part_of_tracking
-from reliab.assessment.rebuilt_error.readings import delay_history
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import DisplacementError, Spread
-from reliab.assessment.rebuilt_error.stretches import StatedTest, collect_unknowns, draw_error
+from reliab.assessment.rebuilt_error.spread import DisplacementError
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
-from reliab.assessment.rebuilt_error.widenings import Widening, widenings
+from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
-
-_KEPT_DRAWS = 128
-
-DRAWS = 256
-"""Number of draws of the uncertain quantities, a power of two."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,12 +44,13 @@ class RebuiltError(DisplacementError):
     structure: Partition  # The structure with which it was rebuilt
     noise: SensorNoise  # Noise of the displacement sensor
     start: Start  # How the test begins, and the sensor's offset
-    unknown: StandardDeviations  # Standard deviations that went into the intervals
-    histories: Histories  # Smoothed histories from which the error is rebuilt
-    # Draws of x_c − x_m that the noise leaves open [m], some of them, shape (at most 128, ceil(n/every))
-    differences: Array
-    every: int  # Number of samples of which one was drawn
-    seed: int  # Seed of the draws
+    histories: Histories  # Histories without noise, of which the parts are made
+    inferred: InferredError  # Draws of everything that is uncertain, and what they say of the error
+
+    @property
+    def every(self) -> int:
+        """Number of samples of which one was drawn."""
+        return self.inferred.every
 
     @property
     def command(self) -> Array:
@@ -67,9 +58,8 @@ class RebuiltError(DisplacementError):
         return self.histories.command[np.newaxis]
 
     def exact(self) -> Iterator[tuple[Partition, Array]]:
-        """Structures, and responses without actuator errors [m], shape (1, m), of the first draws."""
-        arguments = self.histories, self.structure, self.unknown, self.differences, self.every
-        return exact_of_draws(*arguments, seed=self.seed)
+        """Structures, and responses without actuator errors [m], shape (1, m), draw by draw."""
+        return self.inferred.exact()
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
@@ -81,48 +71,106 @@ class RebuiltError(DisplacementError):
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
-        quantities, _ = draw_unknown(self.unknown, self.draws.rms.size, self.seed)
-        rows = self.histories, self.structure, EXACT, self.differences, self.every
-        noise_spread = sweep(*rows, draws=len(self.differences), seed=self.seed).spread
-        return widenings(self.draws, quantities, self.unknown.deviations(), noise_spread, metric)
+        return self.inferred.widenings(metric)
 
 
-def conclude(
-    histories: Histories,
-    read: Array,
-    reference: Array,
-    *,
-    structure: Partition,
-    noise: SensorNoise,
-    nominal_spread: Spread,
-    spread: Spread,
-    differences: Array,
-    stride: int,
-    unknown: StandardDeviations,
-    start: Start,
-    seed: int,
-) -> RebuiltError:
-    """Combine histories, noise and draws into a rebuilt error.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Readings:
+    """Channels of a test, and how they begin."""
 
-    `read`, `reference` [m].
-    """
-    return RebuiltError(
-        time_step=histories.time_step,
-        structure=structure,
-        error=read - reference,
-        smooth_error=histories.measured - reference,
-        reference=reference,
-        rms=spread.estimate(Metric.RMS, float(np.median(nominal_spread.rms))),
-        mte=spread.estimate(Metric.MTE, float(np.median(nominal_spread.mte))),
-        draws=spread,
-        noise=noise,
-        start=start,
-        unknown=unknown,
-        histories=histories,
-        differences=differences[:_KEPT_DRAWS].copy(),  # the others are many times the histories
-        every=stride,
-        seed=seed,
-    )
+    command: Array  # [m], shape (n,)
+    read: Array  # Measured displacement without the offset that rest shows [m], shape (n,)
+    time_step: float  # [s]
+    noise: SensorNoise
+    start: Start
+    every_of_structure: int  # Samples of which one resolves the structure's modes
+    channels: ChannelSpectra
+
+    @classmethod
+    def from_histories(
+        cls,
+        command: Array,
+        measured_displacement: Array,
+        time_step: float,
+        structure: Partition,
+        *,
+        ground: Array | None = None,
+        force: Array | None = None,
+        sensor_offset: float | None = None,
+        resolution: float | None = None,
+    ) -> "Readings":
+        """Check the channels, and transform them.
+
+        `command`, `measured_displacement` [m], with its stated scale taken away; `time_step` [s]; `ground`
+        [m/s²]; `force` over the mass [N/kg]; `sensor_offset`, `resolution` [m].
+        """
+        command, measured_displacement = check_histories(command, measured_displacement, time_step, structure)
+        stride = samples_in_step_of_structure(structure, time_step)
+        require_fitting(command.size, stride, time_step)
+        noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
+        start = start_of_test(command, measured_displacement, time_step, structure, noise, sensor_offset)
+        read = measured_displacement - start.offset
+        initial_displacement = (
+            float(structure.static_transfer[0, 0]) * start.standing
+        )  # by the command, before the record
+        stood = start.standing - initial_displacement
+        channels = ChannelSpectra.from_channels(
+            (command + initial_displacement)[np.newaxis],
+            (read - stood)[np.newaxis],
+            time_step,
+            structure,
+            ground=ground,
+            force=None if force is None else force[np.newaxis],
+        )
+        channels = replace(
+            channels,
+            offset_size=np.array([start.offset_deviation]),
+            standing=np.array([stood]),
+            initial_size=0.0 if start.at_rest else channels.initial_size,
+        )
+        return cls(
+            command=command,
+            read=read,
+            time_step=time_step,
+            noise=noise,
+            start=start,
+            every_of_structure=stride,
+            channels=channels,
+        )
+
+    @property
+    def stride(self) -> int:
+        """Number of samples of which one is enough."""
+        return samples_in_step(self.every_of_structure, self.noise, self.command.size)
+
+    def rebuilt(self, inferred: InferredError) -> RebuiltError:
+        """Put the posterior of a linear structure into the form of a rebuilt error."""
+        world = typical_world(inferred.posterior, inferred.errors)
+        motion = world.displacement(self.channels)
+        late = world.late(motion, self.channels)
+        displacements = self.channels.band.full_history(np.stack([motion, late]))[:, 0]
+        displacement, late_displacement = displacements + self.channels.standing
+        histories = Histories(
+            command=self.command,
+            measured=displacement,
+            fed_back=self.command - late_displacement,
+            time_step=self.time_step,
+            standing=-self.start.standing,
+        )
+        structure = world.structure(inferred.posterior.circumstances.partition)
+        return self.error_with(histories, structure, inferred)
+
+    def error_with(self, histories: Histories, structure: Partition, inferred: InferredError) -> RebuiltError:
+        """Put together what draws say of the error, and the histories and the structure of its parts."""
+        return RebuiltError(
+            **inferred.histories(0, self.read),
+            time_step=self.time_step,
+            structure=structure,
+            noise=self.noise,
+            start=self.start,
+            histories=histories,
+            inferred=inferred,
+        )
 
 
 def rebuild(
@@ -138,7 +186,7 @@ def rebuild(
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
-    """Rebuild the error of a test from its command and measured displacement.
+    """Rebuild the error of a test of a linear structure from its command and measured displacement.
 
     `command`, `measured_displacement` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset`, `resolution`
     [m].
@@ -151,40 +199,17 @@ def rebuild(
     >>> round(error.rms.value, 3)
     0.06
     """
-    test = StatedTest(
-        structure=whole_structure(structure),
-        time_step=time_step,
-        feedback_lag=feedback_lag,
+    partition = whole_structure(structure)
+    readings = Readings.from_histories(
+        command,
+        measured_displacement,
+        time_step,
+        partition,
         sensor_offset=sensor_offset,
-        tolerances=tolerances or Tolerances(),
-        seed=seed,
+        resolution=resolution,
     )
-    full_structure = test.structure
-    command, measured_displacement = check_histories(
-        command, measured_displacement, time_step, full_structure
+    require_lag(feedback_lag, readings.command.size * time_step)
+    circumstances = stated_circumstances(
+        readings.channels, partition, tolerances or Tolerances(), feedback_lag
     )
-    require_fitting(command.size, samples_in_step_of_structure(full_structure, time_step), time_step)
-    noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
-    start = start_of_test(command, measured_displacement, time_step, full_structure, noise, sensor_offset)
-    read = measured_displacement - start.offset
-    fed_back = command - delay_history(read, feedback_lag, time_step)
-    recursion = Recursion.from_displacement(full_structure, time_step)
-    response = respond(recursion, fed_back, -start.standing * recursion.static[:, 0])[0]
-    unknown = collect_unknowns(test, start, response, command)
-    error, stretch_draws = draw_error(
-        command, read, fed_back, test, noise=noise, start=start, unknown=unknown, draws=draws
-    )
-    return conclude(
-        stretch_draws.histories,
-        read,
-        command - response,
-        structure=full_structure,
-        noise=noise,
-        nominal_spread=error.stated.spread,
-        spread=error.swept.spread,
-        differences=stretch_draws.differences,
-        stride=stretch_draws.every,
-        unknown=unknown,
-        start=start,
-        seed=seed,
-    )
+    return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))

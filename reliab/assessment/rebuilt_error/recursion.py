@@ -18,7 +18,6 @@ Straight lines between the samples of a smooth τ lack (ωh)²/12 of it, 0.6 % w
 a recursion for smooth inputs that much of their bend, (τ₊ − 2τ + τ₋)/12, is added to the samples they join.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,10 +32,7 @@ from reliab.structures.partition import Partition
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recursion:
-    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + Q u, for p inputs.
-
-    Those of many draws have a first axis of draws.
-    """
+    """Coefficients of w₊ = E w + F₀u + F₁u₊ and of outputs y = P w + Q u, for p inputs."""
 
     transition: Array  # E, shape (2n, 2n)
     early: Array  # early, late: F₀ and F₁, shape (2n, p)
@@ -60,8 +56,8 @@ class Recursion:
     ) -> "Recursion":
         """Recursion from x_c − x_m to the error of the interface.
 
-        `time_step` [s]; matrices may have a first axis of draws. `slips`: whether displacements that the
-        specimen's stiffness has lost are further inputs, as many.
+        `time_step` [s]; `slips`: whether displacements that the specimen's stiffness has lost are further
+        inputs, as many.
         """
         gamma = structure.interface
         direct = np.linalg.solve(structure.mass, gamma @ structure.specimen_mass)
@@ -70,9 +66,9 @@ class Recursion:
         feed_through = gamma.T @ direct
         if slips:
             slip_loads = gamma @ structure.specimen_stiffness
-            rate_loads = np.concatenate([rate_loads, np.zeros_like(slip_loads)], axis=-1)
-            displacement_loads = np.concatenate([displacement_loads, slip_loads], axis=-1)
-            feed_through = np.concatenate([feed_through, np.zeros_like(feed_through)], axis=-1)
+            rate_loads = np.hstack([rate_loads, np.zeros_like(slip_loads)])
+            displacement_loads = np.hstack([displacement_loads, slip_loads])
+            feed_through = np.hstack([feed_through, np.zeros_like(feed_through)])
         return cls._discretize(
             structure, rate_loads, displacement_loads, time_step, gamma.T, feed_through, smooth=smooth
         )
@@ -99,92 +95,37 @@ class Recursion:
         *,
         smooth: bool = False,
     ) -> "Recursion":
-        size, inputs = displacement_loads.shape[-2:]
-        joint_rows = _join_columns(structure.damping, structure.stiffness, rate_loads, displacement_loads)
+        size, inputs = displacement_loads.shape
+        joint_rows = np.hstack([structure.damping, structure.stiffness, rate_loads, displacement_loads])
         accelerations: Array = np.asarray(np.linalg.solve(structure.mass, joint_rows), dtype=np.float64)
-        viscous, elastic = accelerations[..., :size], accelerations[..., size : 2 * size]
-        rate_inputs, displacement_inputs = (
-            accelerations[..., 2 * size : -inputs],
-            accelerations[..., -inputs:],
+        viscous, elastic, rate_inputs, displacement_inputs = np.split(
+            accelerations, [size, 2 * size, 2 * size + inputs], axis=1
         )
         order = 2 * size
-        joint = np.zeros((*accelerations.shape[:-2], order + 2 * inputs, order + 2 * inputs))
-        joint[..., :size, :size], joint[..., size:order, :size] = -step * viscous, -step * elastic
-        joint[..., :size, size:order] = step * np.eye(size)
-        joint[..., :size, order : order + inputs] = step * rate_inputs
-        joint[..., size:order, order : order + inputs] = step * displacement_inputs
-        joint[..., order : order + inputs, order + inputs :] = np.eye(inputs)
+        joint = np.zeros((order + 2 * inputs, order + 2 * inputs))
+        joint[:size, :size], joint[size:order, :size] = -step * viscous, -step * elastic
+        joint[:size, size:order] = step * np.eye(size)
+        joint[:size, order : order + inputs] = step * rate_inputs
+        joint[size:order, order : order + inputs] = step * displacement_inputs
+        joint[order : order + inputs, order + inputs :] = np.eye(inputs)
         with one_thread():
             exponential = scipy.linalg.expm(joint)
-        late = exponential[..., :order, order + inputs :]
+        late = exponential[:order, order + inputs :]
         still = _still(elastic, displacement_inputs)
-        draws = accelerations.shape[:-2]
-        output = np.concatenate([rows, np.zeros_like(rows)], axis=-1)
         return cls(
-            transition=np.ascontiguousarray(exponential[..., :order, :order]),
-            early=np.ascontiguousarray(exponential[..., :order, order : order + inputs] - late),
+            transition=np.ascontiguousarray(exponential[:order, :order]),
+            early=np.ascontiguousarray(exponential[:order, order : order + inputs] - late),
             late=np.ascontiguousarray(late),
-            output=np.ascontiguousarray(np.broadcast_to(output, (*draws, *output.shape))),
-            feed_through=np.ascontiguousarray(
-                np.broadcast_to(feed_through, (*draws, *feed_through.shape[-2:]))
-            ),
-            static=np.concatenate([still, viscous @ still - rate_inputs], axis=-2),
+            output=np.hstack([rows, np.zeros_like(rows)]),
+            feed_through=np.ascontiguousarray(feed_through),
+            static=np.vstack([still, viscous @ still - rate_inputs]),
             smooth=smooth,
         )
-
-    def select_draw(self, draw: int) -> "Recursion":
-        """Recursion of one of many draws."""
-        return Recursion(
-            transition=self.transition[draw],
-            early=self.early[draw],
-            late=self.late[draw],
-            output=self.output[draw],
-            feed_through=self.feed_through[draw],
-            static=self.static[draw],
-            smooth=self.smooth,
-        )
-
-    def expand_draws(self, draws: int) -> "Recursion":
-        """Recursions of draws; the same for each where it is that of one structure."""
-        if self.transition.ndim > 2:  # noqa: PLR2004 - a first axis of draws
-            return self
-        matrices = (self.transition, self.early, self.late, self.output, self.feed_through, self.static)
-        expanded = [
-            np.ascontiguousarray(np.broadcast_to(matrix, (draws, *matrix.shape))) for matrix in matrices
-        ]
-        names = ("transition", "early", "late", "output", "feed_through", "static")
-        return Recursion(**dict(zip(names, expanded, strict=True)), smooth=self.smooth)
 
     @property
     def order(self) -> int:
         """Length 2n of the state."""
         return int(self.transition.shape[-1])
-
-
-_MATRICES = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
-
-
-def structure_of_draw(structures: Partition, draw: int) -> Partition:
-    """Structure of one of many draws; matrices that are not drawn are those of each."""
-    matrices = {name: getattr(structures, name) for name in _MATRICES}
-    return structures.replace_values(
-        **{name: matrix[draw] for name, matrix in matrices.items() if matrix.ndim > 2}  # noqa: PLR2004
-    )
-
-
-def stack_structures(structures: Sequence[Partition]) -> Partition:
-    """Structures of one size as one whose matrices have a first axis of draws."""
-    matrices = {name: np.stack([getattr(structure, name) for structure in structures]) for name in _MATRICES}
-    return structures[0].replace_values(**matrices)
-
-
-def states_in_motion(structure: Partition, shapes: Array) -> Array:
-    """States in which the structure moves in shapes, by their displacements and velocities, (2, 2n, shapes).
-
-    `shapes` [-], shape (n, shapes).
-    """
-    viscous = np.linalg.solve(structure.mass, structure.damping)
-    return np.stack([np.vstack([shapes, viscous @ shapes]), np.vstack([np.zeros_like(shapes), shapes])])
 
 
 def _still(elastic: Array, loads: Array) -> Array:
@@ -193,14 +134,6 @@ def _still(elastic: Array, loads: Array) -> Array:
         return np.asarray(np.linalg.solve(elastic, loads))
     except np.linalg.LinAlgError:
         return np.full_like(loads, np.nan)
-
-
-def _join_columns(*matrices: Array) -> Array:
-    """Matrices of one number of rows side by side, some of which may have a first axis of draws."""
-    draws = np.broadcast_shapes(*(matrix.shape[:-2] for matrix in matrices))
-    return np.concatenate(
-        [np.broadcast_to(matrix, (*draws, *matrix.shape[-2:])) for matrix in matrices], axis=-1
-    )
 
 
 def respond(recursion: Recursion, values: Array, state: Array | None = None) -> Array:

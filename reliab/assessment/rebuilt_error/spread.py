@@ -1,14 +1,4 @@
-"""Errors of many draws, their intervals and their probabilities.
-
-What is uncertain has a normal distribution each, frequencies and damping ratios one with larger tails. An
-error that two small numbers make together (amplitude and delay, or their unknown parts) is larger than the
-error of their means in most of such draws, by as much as its size is uncertain: a flat distribution of the
-two holds more large errors than small ones, in proportion to their size (Stein 1959, Annals of Mathematical
-Statistics 30, 877). Each draw therefore has a weight inverse to its RMS^R, the reference distribution of a
-vector's length for two components (Berger, Philippe and Robert 1998, Statistica Sinica 8, 359): before a test
-no size of its error is likelier than another.
-`datasets/rebuilt_error/README.md` states the coverage with it, on tests that had no part in the choice.
-"""
+"""Errors of many draws, their intervals and their probabilities."""
 
 from dataclasses import dataclass
 
@@ -27,8 +17,6 @@ ENDS = 0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL
 
 HALF_WIDTH = float(scipy.special.ndtri(ENDS[1]))
 """Half width of a 90 % interval in standard deviations."""
-
-_SMALLEST = 0.01  # of the median RMS^R: an error below it has the weight of this one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,26 +41,15 @@ class Spread:
     # mean, deviation: Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,)
     mean: Array
     deviation: Array
-    # How often each draw counts, where draws of several kinds are put together; their mean is one
-    counts: Array | None = None
+    weights: Array  # Of the draws, their mean is one, shape (draws,)
 
     def errors(self, metric: Metric) -> Array:
         """RMS^R or MTE^R of the draws [-], shape (draws,)."""
         return self.rms if Metric(metric) is Metric.RMS else self.mte
 
-    def weights(self) -> Array:
-        """Weight of each draw, inverse to its RMS^R; their mean is one, shape (draws,)."""
-        if self.counts is not None:
-            return self.counts
-        least = _SMALLEST * float(np.median(self.rms))
-        if not least > 0.0:
-            return np.ones_like(self.rms)
-        weights = 1.0 / np.maximum(self.rms, least)
-        return np.asarray(weights / weights.mean())
-
     def interval(self, metric: Metric) -> tuple[float, float]:
         """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""
-        low, high = weighted_quantiles(self.errors(metric), self.weights(), *ENDS)
+        low, high = weighted_quantiles(self.errors(metric), self.weights, *ENDS)
         return low, high
 
     def estimate(self, metric: Metric, value: float) -> Estimate:
@@ -82,23 +59,8 @@ class Spread:
 
     def probability_below(self, threshold: float, metric: Metric) -> float:
         """Probability of an error below a threshold, no nearer to 0 and 1 than half of a mean draw."""
-        weights = self.weights()
+        weights = self.weights
         return (float(weights[self.errors(metric) < threshold].sum()) + 0.5) / (weights.size + 1.0)
-
-
-def spread_of_draws(statistics: Array, mean: Array, deviation: Array, places: Array) -> Spread:
-    """Errors of draws by mean square and peak of x_m − x_I, and peak of x_I [m], shape (draws, 3).
-
-    `mean`, `deviation` of x_m − x_I over the draws at the swept samples [m], which are read at `places`.
-    """
-    square, peak, ideal = statistics.T
-    swept = np.arange(mean.size)
-    return Spread(
-        rms=np.sqrt(square) / ideal,
-        mte=peak / ideal,
-        mean=np.interp(places, swept, mean),
-        deviation=np.interp(places, swept, deviation),
-    )
 
 
 def weighted_quantiles(values: Array, weights: Array, *shares: float) -> tuple[float, ...]:

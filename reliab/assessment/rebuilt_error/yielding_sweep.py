@@ -1,4 +1,4 @@
-"""Errors of draws with a specimen that yields, on any linear structure beside it.
+"""Errors of a test if its specimen yielded, on any linear structure beside it.
 
 A specimen that yields has the force Z x − k_e s[x], with s the displacement that its stiffness has lost by
 yielding. Subtracting the equations of motion as `rebuild` does leaves ::
@@ -14,18 +14,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.error_statistics import tally
-from reliab.assessment.rebuilt_error.interval import (
-    EXACT,
-    Histories,
-    inputs_of_reading,
-    states_at_first_sample,
-    structures_of_draws,
-)
+from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
 from reliab.core.arrays import Array, read_only
 from reliab.core.compiled import compiled
-from reliab.core.threads import run_in_two_shares
 from reliab.effects.effect import Setting, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.kernel import call_kernel, pointer_to
@@ -72,59 +64,20 @@ def errors_with_specimens(
 
     Each gives what its force adds to k_e x, over k_e [m]; all are of one kind.
     """
-    draws = len(specimens)
-    exact = {name: np.zeros(draws) for name in EXACT.deviations()}
-    difference = histories.difference[np.newaxis]
-    reading = inputs_of_reading(histories, exact)
-    return _swept(specimens, histories, structure, exact, np.zeros(draws), difference, reading)[0]
-
-
-def _swept(
-    specimens: Sequence[SteppedEffect],
-    thin: Histories,
-    structure: Partition,
-    quantities: dict[str, Array],
-    velocity: Array,
-    differences: Array,
-    reading: tuple[Array, Array],
-) -> tuple[Array, Array]:
-    """Statistics of the draws, shape (draws, 3), and the band, shape (2, n); see `DrivenDraws`."""
-    structures = structures_of_draws(structure, quantities)
-    recursion = Recursion.from_displacement(structures, thin.time_step, slips=True).expand_draws(
-        len(specimens)
-    )
-    standing = np.array([thin.standing, 0.0])
-    initial_states = states_at_first_sample(
-        structure, recursion, quantities["initial_state"], velocity, standing
-    )
-    columns, shifts = reading
-    setting = Setting(step=thin.time_step)
-    transition, early, late, output, feed_through = recursion.matrices
+    recursion = Recursion.from_displacement(structure, histories.time_step, slips=True)
+    coefficients = [specimen.coefficients(Setting(step=histories.time_step)) for specimen in specimens]
     arguments = (
-        transition,
-        early,
-        late,
-        read_only(np.ascontiguousarray(output[:, 0])),
-        read_only(np.ascontiguousarray(feed_through[:, 0, 0])),
+        *recursion.matrices[:3],
+        read_only(np.ascontiguousarray(recursion.output[0])),
+        float(recursion.feed_through[0, 0]),
         specimens[0].kernel.address,
-        np.stack([specimen.coefficients(setting) for specimen in specimens]),
-        initial_states,
-        thin.command,
-        np.ascontiguousarray(differences),
-        columns,
-        shifts,
-        thin.fed_back - thin.difference,
-        np.gradient(thin.measured, thin.time_step),
-        np.ascontiguousarray(quantities["feedback_lag"]),
+        np.stack(coefficients),
+        recursion.static @ np.array([histories.standing, 0.0]),
+        histories.command,
+        histories.measured,
+        np.ascontiguousarray(histories.fed_back),
     )
-    answer = np.empty((len(specimens), 3))
-
-    def sweep(share: slice) -> Array:
-        band = np.zeros((2, thin.command.size))
-        _sweep(*arguments, share.start, share.stop, answer, band)
-        return band
-
-    return answer, np.sum(run_in_two_shares(len(specimens), sweep), axis=0)
+    return np.asarray(_sweep(*arguments))
 
 
 @compiled
@@ -133,59 +86,48 @@ def _sweep(
     early: Array,
     late: Array,
     output: Array,
-    feed_through: Array,
+    feed_through: float,
     address: int,
     coefficients: Array,
-    state: Array,
+    initial_state: Array,
     command: Array,
-    differences: Array,
-    inputs: Array,
-    shifts: Array,
-    fed_back_late: Array,
-    velocity: Array,
-    feedback_lag: Array,
-    begin: int,
-    end: int,
-    answer: Array,
-    band: Array,
-) -> None:
-    """Statistics as of `DrivenDraws` and the band, in place; the second input is slip."""
-    size = command.size
-    scratch, motion = np.empty(state.shape[1]), np.zeros(3)
+    measured_displacement: Array,
+    fed_back: Array,
+) -> Array:
+    """Statistics of specimens, shape (specimens, 3); the second input is slip."""
+    size, answer = command.size, np.empty((len(coefficients), 3))
+    scratch, motion = np.empty(initial_state.size), np.zeros(3)
     driving = np.zeros((2, 2))
-    for draw in range(begin, end):
-        row = draw % differences.shape[0]
-        sums = (0.0, 0.0, 0.0)
-        slip = 0.0
-        vector = state[draw]
+    for number in range(len(coefficients)):
+        square, largest, ideal, slip = 0.0, 0.0, 0.0, 0.0
+        vector = initial_state.copy()
         test, response, trial = np.zeros(4), np.zeros(4), np.zeros(4)
-        gain, base = 0.0, draw * coefficients.shape[1]
+        gain, base = 0.0, number * coefficients.shape[1]
         for i in range(size):
-            difference = differences[row, i]
-            for k in range(inputs.shape[0]):
-                difference += shifts[draw, k] * inputs[k, i]
             driving[0, 0], driving[1, 0] = driving[0, 1], slip
-            now = difference + fed_back_late[i] + feedback_lag[draw] * velocity[i]
-            driving[0, 1] = now
-            motion[0] = command[i] - now
+            driving[0, 1] = fed_back[i]
+            motion[0] = command[i] - fed_back[i]
             force = call_kernel(
                 address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, base), pointer_to(test, 0)
             )
             if i > 0:
-                advance((0, 0), transition[draw], early[draw], late[draw], driving, 1, vector, scratch)
-                gain = _gain(output[draw], late[draw])
-            error = feed_through[draw] * now
+                advance((0, 0), transition, early, late, driving, 1, vector, scratch)
+                gain = _gain(output, late)
+            error = feed_through * fed_back[i]
             for column in range(vector.size):
-                error += output[draw, column] * vector[column]
+                error += output[column] * vector[column]
             slip = _slip(
                 address, coefficients, base, motion, command[i] - error, gain, slip, force, response, trial
             )
             error += gain * slip
             for column in range(vector.size):
-                vector[column] += late[draw, column, 1] * slip * min(i, 1)  # the first sample begins the test
-            weight = 0.5 if i in (0, size - 1) else 1.0
-            sums = tally(sums, error - difference, command[i] - error, weight, band, i)
-        answer[draw, 0], answer[draw, 1], answer[draw, 2] = sums[0] / (size - 1), sums[1], sums[2]
+                vector[column] += late[column, 1] * slip * min(i, 1)  # the first sample begins the test
+            exact = command[i] - error
+            deviation = measured_displacement[i] - exact
+            square += (0.5 if i in (0, size - 1) else 1.0) * deviation * deviation
+            largest, ideal = max(largest, abs(deviation)), max(ideal, abs(exact))
+        answer[number, 0], answer[number, 1], answer[number, 2] = square / (size - 1), largest, ideal
+    return answer
 
 
 @compiled

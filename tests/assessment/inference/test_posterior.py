@@ -55,7 +55,7 @@ def late_test():
 def test_rebuilt_error_is_exact_when_everything_is_known(late_test, ground):
     circumstances = circumstances_of(late_test, f=1.0, xi=0.03, ground=ground)
     posterior = infer(circumstances, draws=4)
-    result = draw_errors(posterior, ["1"]).displacements[0]
+    result = draw_errors(posterior).displacements[0]
     assert result.estimate(Metric.RMS).value == pytest.approx(late_test.rms, rel=0.02)
     assert result.estimate(Metric.MTE).value == pytest.approx(late_test.mte, rel=0.03)
 
@@ -121,7 +121,7 @@ def test_recorded_excitation_never_widens_the_interval(late_test):
         circumstances = circumstances_of(
             late_test, f=1.0, xi=0.03, ground=ground, equipment=ordinary_equipment()
         )
-        estimate = draw_errors(infer(circumstances), ["1"]).displacements[0].estimate(Metric.RMS)
+        estimate = draw_errors(infer(circumstances)).displacements[0].estimate(Metric.RMS)
         widths.append(estimate.high - estimate.low)
         assert estimate.low < late_test.rms < estimate.high
     assert widths[1] < widths[0]
@@ -218,7 +218,7 @@ def _rank(seed):
         name: float(weights @ (posterior.values[:, names.index(name)] < truth))
         for name, truth in truths.items()
     }
-    ranks["error"] = float(weights @ (draw_errors(posterior, ["1"]).displacements[0].rms < test.rms))
+    ranks["error"] = float(weights @ (draw_errors(posterior).displacements[0].rms < test.rms))
     return ranks
 
 

@@ -39,12 +39,10 @@ def test_the_history_is_the_one_rebuilt_afterwards(outcome, chunks, lag):
     )
     monitor = feed_chunks(outcome.command, measured_displacement, chunks, feedback_lag=lag)
     full_test = rebuild(outcome.command, measured_displacement, STEP, STRUCTURE, feedback_lag=lag)
-    options = monitor.ask(draws=256)
-    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
-    for running, afterwards in ((options.rms, full_test.rms), (options.mte, full_test.mte)):
-        assert (running.value, running.low, running.high) == pytest.approx(
-            (afterwards.value, afterwards.low, afterwards.high), rel=1e-9
-        )
+    error = monitor.ask(draws=256)
+    at_once = feed_chunks(outcome.command, measured_displacement, (), feedback_lag=lag).error
+    assert np.abs(monitor.error - at_once).max() < 1e-9 * np.abs(at_once).max()
+    assert (error.rms, error.mte) == (full_test.rms, full_test.mte)
 
 
 def test_errors_so_far_are_those_of_the_history_so_far(outcome):
@@ -61,9 +59,9 @@ def test_later_offset_is_removed_from_all_earlier_samples(outcome):
     measured_displacement = np.concatenate([np.zeros(1024), outcome.measured]) + 0.02
     monitor = feed_chunks(command, measured_displacement, (5000,))
     monitor.ask()
-    full_test = rebuild(command, measured_displacement, STEP, STRUCTURE)
-    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
-    assert monitor.now.error == pytest.approx(full_test.error[-1], rel=1e-9)
+    known = feed_chunks(command, measured_displacement - 0.02, (), sensor_offset=0.0)
+    assert np.abs(monitor.error - known.error).max() < 1e-4 * np.abs(known.error).max()
+    assert monitor.now.error == pytest.approx(known.now.error, rel=1e-3)
 
 
 def test_later_equilibrium_applies_to_all_earlier_samples(outcome):
@@ -72,9 +70,9 @@ def test_later_equilibrium_applies_to_all_earlier_samples(outcome):
     measured_displacement = np.concatenate([np.zeros(1024), outcome.measured])
     monitor = feed_chunks(command, measured_displacement, (5000,))
     monitor.ask()
-    full_test = rebuild(command, measured_displacement, STEP, STRUCTURE)
-    assert full_test.start.standing != 0.0
-    assert np.abs(monitor.error - full_test.error).max() < 1e-9 * np.abs(full_test.error).max()
+    assert rebuild(command, measured_displacement, STEP, STRUCTURE).start.standing != 0.0
+    true = outcome.measured - outcome.ideal
+    assert np.abs(monitor.error[1024:] - true).max() < 1e-4 * np.abs(true).max()
 
 
 def test_a_loop_that_will_diverge_is_known_before_its_motion_is_twice_the_exact_peak():

@@ -52,9 +52,6 @@ def test_filter_keeps_the_band_and_stops_higher_frequencies(band):
     assert gain[:3] == pytest.approx(1.0, abs=1e-3)
     assert gain[3:] == pytest.approx(0.0, abs=1e-3)
     assert noise.filter == pytest.approx(noise.filter[::-1])
-    event_variance = np.linspace(0.0, 3.0 * band, 50)
-    expected = np.abs(scipy.signal.freqz(noise.filter, worN=event_variance, fs=1.0 / STEP)[1]) ** 2
-    assert noise.filtered_density(event_variance) == pytest.approx(expected, abs=3e-3)
 
 
 def test_a_band_up_to_the_nyquist_frequency_is_not_filtered():
@@ -65,7 +62,6 @@ def test_a_band_up_to_the_nyquist_frequency_is_not_filtered():
     assert filtering.filter.size > 1
     assert noise.filter.tolist() == [1.0]
     np.testing.assert_array_equal(noise.smooth(history), history)
-    np.testing.assert_array_equal(noise.filtered_density(np.array([1.0, 9.0])), 1.0)
 
 
 def test_straight_lines_and_slow_motions_pass_unchanged_up_to_the_ends():

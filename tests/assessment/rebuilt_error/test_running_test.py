@@ -251,44 +251,35 @@ def test_the_error_is_judged_by_the_low_end_and_when_its_peak_has_stood_for_12_s
 
 @pytest.fixture(scope="module")
 def long():
-    """A noisy test of 6,000 samples, of which one in one is swept."""
+    """A noisy test at eight times the rate, of 9,000 samples of which one in eight resolves its structure."""
     rng = np.random.default_rng(6)
-    time = STEP * np.arange(9000)
+    time = STEP / 8.0 * np.arange(72_000)
     command = 0.01 * np.sin(W0 * time) * (1.2 + np.sin(0.4 * time)) * np.clip(time / 3.0 - 1.0, 0.0, 1.0)
-    command[6400:8700] = command[6400]  # a piston that rests for more than a stretch
+    command[51_200:69_600] = command[51_200]  # a piston that rests for more than a stretch
     late = np.interp(time - 0.004, time, command)
     return command, 0.99 * late + 1e-4 * rng.standard_normal(time.size)
 
 
-def estimates(long, full_test, stretch):
-    """Errors after the same samples: of a running test in stretches, and at once."""
-    command, measured_displacement = (history[:full_test] for history in long)
-    tolerances = Tolerances(frequency=0.01)
-    single_run = rebuild(command, measured_displacement, STEP, STRUCTURE, tolerances=tolerances, draws=64)
-    monitor = Monitor(STRUCTURE, STEP, stretch=stretch, tolerances=tolerances)
-    monitor.feed(command, measured_displacement)
-    assert (monitor._before is None) == (full_test <= 2 * stretch)  # noqa: SLF001
-    error = monitor.ask(draws=64)
-    return [(error.estimate(metric), single_run.estimate(metric)) for metric in Metric]
-
-
-def test_a_test_of_two_stretches_has_the_interval_of_the_whole(long):
-    for running, full_test in estimates(long, 4000, 2000):
-        assert running == full_test
-
-
 @pytest.mark.parametrize(
-    "full_test", [6000, *(pytest.param(n, marks=pytest.mark.slow) for n in (8600, 9000))]
+    "samples", [32_000, 48_000, *(pytest.param(n, marks=pytest.mark.slow) for n in (68_800, 72_000))]
 )
-def test_a_longer_test_learns_its_frequency_from_two_stretches_and_has_the_error_of_the_whole(
-    long, full_test
-):
-    for single, second in estimates(long, full_test, 2000):
-        assert single.value == pytest.approx(second.value, rel=0.03)
+def test_a_long_test_has_the_interval_of_the_whole(long, samples):
+    """Held at a lower rate, and its first stretch forgotten, but for sums over it."""
+    command, measured_displacement = (history[:samples] for history in long)
+    tolerances = Tolerances(frequency=0.01)
+    step = STEP / 8.0
+    whole = rebuild(command, measured_displacement, step, STRUCTURE, tolerances=tolerances, draws=64)
+    monitor = Monitor(STRUCTURE, step, stretch=16_000, tolerances=tolerances)
+    monitor.feed(command, measured_displacement)
+    error = monitor.ask(draws=64)
+    assert monitor.is_whole == (samples <= 32_000)
+    assert error.command.shape[1] <= 16_000
+    for metric in Metric:
+        single, second = error.estimate(metric), whole.estimate(metric)
         width = second.high - second.low
-        assert abs(single.low - second.low) < width
-        assert abs(single.high - second.high) < width
-        assert single.high - single.low < 2.0 * width
+        assert single.value == pytest.approx(second.value, rel=0.03)
+        assert abs(single.low - second.low) < 0.5 * width
+        assert abs(single.high - second.high) < 0.5 * width
 
 
 def test_forgotten_rest_still_counts_as_time():

@@ -5,15 +5,23 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ive
 
+from reliab.assessment.inference.error_draws import weight_of_size
 from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.core.vocabulary import Metric
+
+
+def spread_of(errors, ratio=1.0):
+    probable = float(np.median(errors))
+    weights = np.array([weight_of_size(error, probable) for error in errors.tolist()])
+    weights = weights / weights.mean()
+    return Spread(rms=errors, mte=ratio * errors, mean=np.zeros(1), deviation=np.zeros(1), weights=weights)
 
 
 def draw_two_components(length, deviation, draws=200_000):
     """Draws of the length of a vector that was read with this length and normal errors."""
     components = np.random.default_rng(3).normal([[length], [0.0]], deviation, (2, draws))
     errors = np.hypot(*components)
-    return Spread(rms=errors, mte=2.0 * errors, mean=np.zeros(1), deviation=np.zeros(1))
+    return spread_of(errors, ratio=2.0)
 
 
 def probability_of_a_uniform_length(lower, length, deviation):
@@ -45,13 +53,12 @@ def test_the_ends_of_the_interval_have_the_stated_probability():
 
 
 def test_draws_without_any_error_have_equal_weights():
-    nothing = Spread(rms=np.zeros(8), mte=np.zeros(8), mean=np.zeros(1), deviation=np.zeros(1))
-    np.testing.assert_array_equal(nothing.weights(), 1.0)
+    nothing = spread_of(np.zeros(8))
+    np.testing.assert_array_equal(nothing.weights, 1.0)
     assert nothing.interval(Metric.RMS) == (0.0, 0.0)
     assert nothing.probability_below(0.05, Metric.RMS) == pytest.approx(8.5 / 9.0)
 
 
 def test_one_perfect_draw_does_not_outweigh_all_others():
     rms = np.concatenate([[0.0], np.full(255, 0.05)])
-    spread = Spread(rms=rms, mte=rms, mean=np.zeros(1), deviation=np.zeros(1))
-    assert spread.probability_below(0.04, Metric.RMS) < 0.5
+    assert spread_of(rms).probability_below(0.04, Metric.RMS) < 0.5

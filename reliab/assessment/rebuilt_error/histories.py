@@ -1,0 +1,81 @@
+"""Histories of a test with several actuators or one, from which its error is rebuilt."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.recursion import Recursion, respond
+from reliab.core.arrays import Array
+from reliab.structures.partition import Partition
+
+_BAND_PERIOD_SHARE = 0.25  # of the period of the highest frequency of the motion that a step may be
+_FEWEST_SWEPT = 4096  # samples up to which the motion's band, too, is resolved in responses of draws
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Histories:
+    """Histories from which the error is rebuilt, without offsets of the sensors: of one actuator, or of p."""
+
+    command: Array  # command, measured: x_c and the smoothed x_m at the sensors [m], shape (n,) or (p, n)
+    measured: Array
+    # x_c minus the displacement whose force was fed back, at the interface [m]: x_c − x_m unless it was late
+    fed_back: Array
+    time_step: float  # Step [s]
+    # x_c − x_m at the interface [m] under which the structure stood still before the first sample
+    standing: float | Array = 0.0
+    # Interface displacements of unit displacements of the sensors [-], shape (p, p); None of one, which
+    # stands there
+    carry: Array | None = None
+    smooth: bool = False  # Whether histories are smooth between samples; else they are straight lines
+
+    def carry_to_interface(self, displacements: Array) -> Array:
+        """Displacements of the interface by those at the sensors [m], shape (…, n)."""
+        return displacements if self.carry is None else np.asarray(self.carry @ displacements)
+
+    def carry_sensor(self, place: int, displacement: Array) -> Array:
+        """Carry the displacement of one sensor, shape (…, n), to the interface [m], shape (…, p, n)."""
+        row = displacement[..., np.newaxis, :]
+        return row if self.carry is None else np.asarray(self.carry[:, place, np.newaxis] * row)
+
+    @cached_property
+    def difference(self) -> Array:
+        """x_c − x_m at the interface [m], shape (n,) or (p, n)."""
+        return self.carry_to_interface(self.command - self.measured)
+
+    @property
+    def late(self) -> Array:
+        """What a force that was fed back late adds to x_c − x_m at the interface [m], shape (p, n)."""
+        return np.atleast_2d(self.fed_back - self.difference)
+
+    def thin(self, stride: int) -> "Histories":
+        """Each `stride`-th sample."""
+        return replace(
+            self,
+            command=np.ascontiguousarray(self.command[..., ::stride]),
+            measured=np.ascontiguousarray(self.measured[..., ::stride]),
+            fed_back=np.ascontiguousarray(self.fed_back[..., ::stride]),
+            time_step=stride * self.time_step,
+        )
+
+    def recursion(self, structure: Partition) -> Recursion:
+        """Recursion from x_c − x_m at these samples to the error of a structure, or of draws of it."""
+        return Recursion.from_displacement(structure, self.time_step, smooth=self.smooth)
+
+    def standing_in(self, recursion: Recursion) -> Array:
+        """State in which the structure stood before the first sample, shape (2n,)."""
+        return np.asarray(recursion.static @ np.atleast_1d(self.standing))
+
+    def respond(self, recursion: Recursion) -> Array:
+        """Answer e of the interface to the test as recorded [m], shape (p, n)."""
+        return respond(recursion, self.fed_back, self.standing_in(recursion))
+
+
+def samples_in_step(structure_stride: int, noise: SensorNoise, samples: int) -> int:
+    """Return the number of samples of which one is enough while draws are swept.
+
+    `structure_stride`: the number of which one resolves the structure's modes.
+    """
+    band_stride = max(int(_BAND_PERIOD_SHARE / (noise.band * noise.time_step)), 1)
+    return min(structure_stride, max(band_stride, -(-samples // _FEWEST_SWEPT)))
