@@ -3,17 +3,17 @@
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, TypedDict, overload
+from typing import TYPE_CHECKING, Any, Final, overload
 
 import numpy as np
 
 from reliab.assessment.budget.sizes import (
+    WHOLE_QUANTITIES,
     Equipment,
     PriorSource,
     Size,
     sizes_of_structure,
     sizes_of_unknown,
-    tolerances_of,
 )
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
@@ -22,7 +22,6 @@ from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.rebuild import RebuiltError
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
@@ -114,7 +113,8 @@ class Question:
     def tolerances(self) -> dict[str, float]:
         """Relative standard deviations that the file of a frame states, by names of quantities and parts."""
         sizes = {} if self.frame is None else sizes_of_structure(self.frame)
-        return {name: size.deviation for name, size in sizes.items()}
+        calibrated = {} if self.model is None else dict.fromkeys(WHOLE_QUANTITIES, 0.0)
+        return calibrated | {name: size.deviation for name, size in sizes.items()}
 
     @property
     def to_interface(self) -> Array:
@@ -137,11 +137,18 @@ class Question:
         return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
 
     def circumstances(
-        self, channels: ChannelSpectra, ground: ShownGround, left_by_faults: Mapping[str, float]
+        self,
+        channels: ChannelSpectra,
+        ground: ShownGround,
+        left_by_faults: Mapping[str, float],
+        structure: Partition | None = None,
     ) -> Circumstances:
-        """Put together what is known before the channels are weighed; `left_by_faults` [SI units]."""
+        """Put together what is known before the channels are weighed; `left_by_faults` [SI units].
+
+        `structure`: with a specimen that is simulated, else as stated.
+        """
         return Circumstances(
-            partition=self.full_structure,
+            partition=structure or self.full_structure,
             channels=replace(channels, ground=ground.evidence(channels.ground)),
             stated=self.stated,
             equipment=self.equipment,
@@ -202,13 +209,11 @@ class ErrorOfTest(ErrorWithThreshold):
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
-        if self.inferred is not None:
-            return self.inferred.widenings(self.metric)
         return (self.specimen or self.rebuilt).widenings(self.metric)
 
     def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
         """Draw structures, with their responses without actuator errors at swept samples [m], (1, m)."""
-        return (self.inferred or self.rebuilt).exact()
+        return self.rebuilt.exact()
 
 
 def part_in_words(name: str) -> str:
@@ -258,12 +263,10 @@ def error_of_test(
     sizes = {**_sizes(recording, question), **repairs}
     if question.linear:
         return _infer(recording, measured_displacement, question, sizes, sensor_offset)
-    arguments = _CommonArguments(
-        sensor_offset=sensor_offset, tolerances=tolerances_of(sizes), seed=question.seed
-    )
+    left_by_faults = _left_by_faults(sizes, question.sizes(recording.time_step))
     specimen, ground = None, ShownGround()
     if question.model is None:
-        specimen = _learn_specimen(recording, measured_displacement, question, arguments)
+        specimen = _learn_specimen(recording, measured_displacement, question, left_by_faults, sensor_offset)
         rebuilt = specimen.rebuilt
         ground = examine_ground_by_force(
             replace(recording, measured=measured_displacement),
@@ -272,33 +275,49 @@ def error_of_test(
             feedback_lag=question.feedback_lag,
         )
     else:
-        rebuilt = _rebuild_with_model(recording, measured_displacement, question.model, arguments)
+        rebuilt = _rebuild_with_model(
+            recording, measured_displacement, question, question.model, left_by_faults, sensor_offset
+        )
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=sizes | _sizes_of_force(specimen),
+        sizes=sizes | _sizes_of_force(specimen, question),
         ground=ground,
         specimen=specimen,
         modelled=question.model is not None,
     )
 
 
+def _left_by_faults(sizes: Mapping[str, Size], usual: Mapping[str, Size]) -> dict[str, float]:
+    """Deviations that faults of the channels, or their repair, leave of quantities, in the SI unit."""
+    return {name: size.deviation for name, size in sizes.items() if usual.get(name) != size}
+
+
 def _rebuild_with_model(
-    recording: Recording, measured_displacement: Array, model: "UpdatedModel", arguments: "_CommonArguments"
+    recording: Recording,
+    measured_displacement: Array,
+    question: Question,
+    model: "UpdatedModel",
+    left_by_faults: Mapping[str, float],
+    sensor_offset: float | None,
 ) -> RebuiltError:
     """Rebuild the error with a calibrated model of the specimen; `measured_displacement` [m]."""
-    from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
+    from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_modelled, tangent_structure
+    from reliab.assessment.rebuilt_error.rebuild import Readings
 
-    return rebuild_with_specimen(
+    structure = tangent_structure(model.test)
+    readings = Readings.from_histories(
         recording.command,
         measured_displacement,
         recording.time_step,
-        model.test,
-        deviations=model.deviations,
-        **arguments,
+        structure,
+        sensor_offset=sensor_offset,
+        resolution=question.resolution,
     )
+    circumstances = question.circumstances(readings.channels, ShownGround(), left_by_faults, structure)
+    return rebuild_modelled(readings, model.test, model.deviations, circumstances, seed=question.seed)
 
 
 def _infer(
@@ -328,9 +347,7 @@ def _infer(
         resolution=question.resolution,
     )
     ground = examine_ground(recording, readings.channels, structure, feedback_lag=question.feedback_lag)
-    left_by_faults = {
-        name: size.deviation for name, size in sizes.items() if equipment_sizes.get(name) != size
-    }
+    left_by_faults = _left_by_faults(sizes, equipment_sizes)
     inferred_error = infer_errors(
         question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
     )
@@ -345,13 +362,17 @@ def _infer(
     )
 
 
-def _sizes_of_force(specimen: "MeasuredSpecimen | None") -> dict[str, Size]:
+def _sizes_of_force(specimen: "MeasuredSpecimen | None", question: Question) -> dict[str, Size]:
     """Sizes of what is stated of mass and force of a measured specimen."""
-    deviations = {} if specimen is None else specimen.test.deviations_of_force
+    if specimen is None:
+        return {}
+    deviations = specimen.test.channel.deviations_by_name
+    if "mass" in question.stated:
+        deviations["mass"] = question.stated["mass"].deviation / question.stated["mass"].value
     return {
         name: Size(deviation=deviation, source=PriorSource.STATED)
         for name, deviation in deviations.items()
-        if deviation and name != "specimen"
+        if deviation
     }
 
 
@@ -366,30 +387,24 @@ def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     return {**sizes, "open_filter": Size(deviation=filtering.delay, source=PriorSource.LEARNED)}
 
 
-class _CommonArguments(TypedDict):
-    """Arguments that every way of computing the error shares."""
-
-    sensor_offset: float | None
-    tolerances: Tolerances
-    seed: int
-
-
 def _learn_specimen(
-    recording: Recording, measured_displacement: Array, question: Question, arguments: _CommonArguments
+    recording: Recording,
+    measured_displacement: Array,
+    question: Question,
+    left_by_faults: Mapping[str, float],
+    sensor_offset: float | None,
 ) -> "MeasuredSpecimen":
     """Learn the specimen from the recorded force, with the error of its test; `measured_displacement` [m]."""
-    structure, mass_deviation = question.full_structure, 0.0
+    structure = question.full_structure
     if question.frame is None:
-        if "mass" not in question.stated:
+        if question.mass is None:
             raise InputError(
                 "A measured specimen needs its force and the mass of the structure",
                 value="no force" if recording.force is None else "no `mass`",
                 remedy="Record the force that was fed back, and state `mass` in kilograms",
                 where=recording.name,
             )
-        mass = question.stated["mass"]
-        structure = Partition.from_structure(question.structure, mass.value)
-        mass_deviation = mass.deviation / mass.value
+        structure = Partition.from_structure(question.structure, question.mass)
     if recording.force is None:
         raise InputError(
             "A measured specimen needs its force",
@@ -397,20 +412,21 @@ def _learn_specimen(
             remedy="Record the force that was fed back, in newtons",
             where=recording.name,
         )
-    from reliab.assessment.measured_specimen.rebuild import rebuild_with_force
+    from reliab.assessment.measured_specimen.force_channel import ForceChannel
+    from reliab.assessment.measured_specimen.rebuild import rebuild_learned
+    from reliab.assessment.rebuilt_error.rebuild import Readings
 
-    return rebuild_with_force(
+    readings = Readings.from_histories(
         recording.command,
         measured_displacement,
-        recording.force,
         recording.time_step,
         structure,
-        mass_deviation=mass_deviation,
-        feedback_lag=question.feedback_lag,
-        force_channel=question.force_channel,
+        sensor_offset=sensor_offset,
         resolution=question.resolution,
-        **arguments,
     )
+    circumstances = question.circumstances(readings.channels, ShownGround(), left_by_faults, structure)
+    channel = question.force_channel or ForceChannel()
+    return rebuild_learned(readings, recording.force, channel, circumstances, seed=question.seed)
 
 
 def _error_of_several(

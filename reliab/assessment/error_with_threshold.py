@@ -13,7 +13,7 @@ from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_ground import ShownGround
-from reliab.assessment.uncertainty_budget import BudgetItem, budget_of_error
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import significant
@@ -125,9 +125,7 @@ class ErrorWithThreshold(PlainResult, ABC):
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
         """What makes the interval, the largest contribution first."""
-        if self.inferred is not None:
-            return self.inferred.budget(self.widenings)
-        return budget_of_error(self.widenings, self.sizes)
+        return self.rebuilt.inferred.budget(self.widenings)
 
     @property
     def would_decide(self) -> tuple[str, ...]:

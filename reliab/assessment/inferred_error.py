@@ -1,7 +1,7 @@
 """The error of a test, from the posterior of everything that is uncertain about it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
-from reliab.assessment.uncertainty_budget import BudgetItem, describe
+from reliab.assessment.uncertainty_budget import NOT_INFERRED, BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -147,7 +147,7 @@ class InferredError:
     def budget(self, widenings: Sequence[Widening]) -> tuple[BudgetItem, ...]:
         """Say in words what widens the interval."""
         descriptions: dict[str, tuple[Description, PriorSource]] = {
-            _NOISE: (describe(_NOISE), PriorSource.LEARNED)
+            name: (description, PriorSource.LEARNED) for name, description in NOT_INFERRED.items()
         }
         for unknown, _, spread in self._unknowns():
             is_shown = spread < _NARROWING_FACTOR or not unknown.quantity.option
@@ -198,9 +198,13 @@ def infer_errors(
     `stride`: number of samples of which exact responses give one; `test`: of a nonlinear specimen, whose
     channels show nothing of what is uncertain; linear by default.
     """
+    if test is not None:
+        channels = replace(circumstances.channels, ground=None, force=None, initial_size=0.0)
+        channels = replace(channels, drift_size=np.zeros(1))
+        circumstances = replace(circumstances, channels=channels, specimen_force=False)
     posterior = infer(circumstances, draws=draws, seed=seed, from_channels=test is None)
-    errors = draw_errors(posterior, test)
     test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
+    errors = draw_errors(posterior, test)
     return InferredError(posterior=posterior, test=test, errors=errors, every=stride)
 
 

@@ -430,7 +430,7 @@ def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> No
 def test_a_channel_of_force_is_stated_name_by_name() -> None:
     channel = ForceChannel.parse(["attached_kg=12±1", "lag_ms=-1"])
     assert channel.values == pytest.approx([-1e-3, 12.0, 0.0])
-    assert channel.deviations == pytest.approx([0.0, 1.0, 0.0])
+    assert channel.deviations_by_name == {"force_lag": 0.0, "attached_mass": 1.0, "load_path_friction": 0.0}
     for text in ("mass=2", "attached_kg=-2", "lag_ms=two"):
         with pytest.raises(InputError):
             ForceChannel.parse([text])

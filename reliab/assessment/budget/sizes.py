@@ -166,7 +166,7 @@ DEVIATION_OF_HYSTERESIS = 0.2
 _LARGEST_ASSUMED = 0.99
 
 
-_WHOLE_QUANTITIES = {  # what is not assumed of the whole where parts of the structure are stated
+_REPLACED_QUANTITIES = {  # what is not assumed of the whole where parts of the structure are stated
     "damping": "damping_ratio",
     "floor_mass": "frequency",
     "storey_stiffness": "frequency",
@@ -180,7 +180,8 @@ _WHOLE_QUANTITIES = {  # what is not assumed of the whole where parts of the str
 }
 
 
-_STRUCTURE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
+WHOLE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
+"""Quantities of the whole structure, which a calibrated model knows."""
 
 
 def sizes_of_unknown(
@@ -204,7 +205,7 @@ def sizes_of_unknown(
             deviation=DEVIATION_OF_HYSTERESIS * sensor_hysteresis.value, source=PriorSource.DEFAULT
         )
     if calibrated:
-        sizes = {name: size for name, size in sizes.items() if name not in _STRUCTURE_QUANTITIES}
+        sizes = {name: size for name, size in sizes.items() if name not in WHOLE_QUANTITIES}
     open_hysteresis = "hysteresis" if sensor_hysteresis.value else _LAGGING
     for name, key in {**_RELATIVE, **_ABSOLUTE, open_hysteresis: "hysteresis"}.items():
         if key in stated and stated[key].deviation:
@@ -231,7 +232,7 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
         "damping_ratio": tolerances.damping_ratio,
         "experimental_fraction": tolerances.specimen_deviation,
     }
-    replaced_quantities = {_WHOLE_QUANTITIES[name.rstrip("_0123456789")] for name in parts}
+    replaced_quantities = {_REPLACED_QUANTITIES[name.rstrip("_0123456789")] for name in parts}
     return {
         name: Size(deviation=deviation, source=PriorSource.STATED)
         for name, deviation in {**deviations, **parts}.items()

@@ -75,16 +75,11 @@ class ErrorsOfTest:
 def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, seed: int = 0) -> ErrorsOfTest:
     """Rebuild the error in every draw of a posterior.
 
-    `test`: with a specimen that is simulated, whose draws are weighed by the size of their errors; linear by
-    default; `seed`: of the noise of the sensors.
+    `test`: of a linear structure by default; `seed`: of the noise of the sensors.
     """
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
-    probable = 0.0
-    if test is None:
-        test = LinearTest(channels=channels, partition=partition)
-    else:
-        probable = float(relative_errors(*test.histories(test.solve(posterior.mode)))[0].max())
-    weights = posterior.draws.weights.copy()
+    test = test or LinearTest(channels=channels, partition=partition)
+    weights = posterior.draws.weights
     rms, mte = np.empty((2, weights.size, partition.degrees))
     mean = square = 0.0
     solution_mean: Any = 0.0
@@ -95,14 +90,11 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
         histories = test.histories(solution)
         factor = 1.0 + ACCURACY * generator.standard_normal()  # of the numbers
         rms[draw], mte[draw] = factor * np.stack(relative_errors(*histories))
-        weights[draw] *= weight_of_size(float(rms[draw].max()), probable)
         mean += weights[draw] * histories[0]
         square += weights[draw] * histories[0] ** 2
         solution_mean += weights[draw] * solution
-    total = weights.sum()
-    weights, mean, solution_mean = weights / total, mean / total, solution_mean / total
     error, exact = test.on_record(solution_mean)
-    deviation = np.sqrt(np.maximum(square / total - mean**2, 0.0))
+    deviation = np.sqrt(np.maximum(square - mean**2, 0.0))
     samples = np.arange(deviation.shape[1])
     factors = _between_samples(test.histories(solution_mean), np.stack([error, exact]))
     return ErrorsOfTest(
@@ -120,17 +112,6 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
         deviation=np.stack([np.interp(test.places, samples, row) for row in deviation]),
         factors=factors,
     )
-
-
-def weight_of_size(error: float, probable: float) -> float:
-    """Weight of a draw, inverse to the size of its error; `probable`: size of the most probable one [-].
-
-    An error that two small numbers make together, such as amplitude and delay, is larger than that of their
-    means in most draws: a flat distribution of the two holds more large errors than small ones (Stein 1959,
-    Annals of Mathematical Statistics 30, 877). With these weights no size is likelier than another before the
-    test (Berger, Philippe and Robert 1998, Statistica Sinica 8, 359).
-    """
-    return probable / max(error, _SMALLEST_SHARE * probable) if probable > 0.0 else 1.0
 
 
 def _between_samples(coarse: Array, fine: Array) -> Array:
@@ -165,7 +146,6 @@ def typical_world(posterior: TestPosterior, errors: ErrorsOfTest) -> Experiment:
     return posterior.experiment(posterior.fit.mode + min(_PLACES, key=miss) * slope)
 
 
-_SMALLEST_SHARE = 0.01  # of the most probable error: a smaller one has the weight of this one
 _PLACES = sorted(np.linspace(-2.0, 2.0, 41).tolist(), key=abs)  # standard deviations of the error
 
 

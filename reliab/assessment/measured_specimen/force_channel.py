@@ -62,10 +62,13 @@ class ForceChannel:
         return np.array([self.lag_ms.value / MILLI, self.attached_kg.value, self.friction_n.value])
 
     @property
-    def deviations(self) -> Array:
-        """Standard deviations of the values, shape (3,)."""
-        deviations = (self.lag_ms.deviation / MILLI, self.attached_kg.deviation, self.friction_n.deviation)
-        return np.array(deviations)
+    def deviations_by_name(self) -> dict[str, float]:
+        """Standard deviations of the values, by names of quantities."""
+        return {
+            "force_lag": self.lag_ms.deviation / MILLI,
+            "attached_mass": self.attached_kg.deviation,
+            "load_path_friction": self.friction_n.deviation,
+        }
 
 
 def columns_of_channel(force: Array, displacement: Array, step: float) -> Array:

@@ -13,7 +13,6 @@ by (inflation of parameter uncertainties, Pernot 2017, Journal of Chemical Physi
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 import scipy
@@ -35,7 +34,6 @@ _SEED = 21
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _DEVIATION_FACTOR = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
 _ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed, unless it is linear
-_FORCE_QUANTITIES: Final = ("mass", "force_lag", "attached_mass", "load_path_friction")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -136,7 +134,6 @@ class LearnedTest(SimulatedTest):
     measured: Array  # x_m without noise [m], shape (m,)
     path: MeasuredPath
     whole: Partition  # The structure with its specimen as stated [kg, N·s/m, N/m]
-    mass_deviation: float  # Of the mass, over the mass [-]
     feedback_lag: float  # Time by which the force was fed back late [s]
     channel: ForceChannel
     added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, m)
@@ -209,12 +206,6 @@ class LearnedTest(SimulatedTest):
         return specimen.elements.respond(
             specimen.coefficients, self.command, test_force, self.time_step, self.path.energy_share, numerical
         )
-
-    @property
-    def deviations_of_force(self) -> dict[str, float]:
-        """Standard deviations of what is not known of mass and force, in SI units or relative."""
-        deviations = (self.mass_deviation, *self.channel.deviations.tolist())
-        return dict(zip(_FORCE_QUANTITIES, deviations, strict=True))
 
     @cached_property
     def _members(self) -> tuple[Members, ...]:

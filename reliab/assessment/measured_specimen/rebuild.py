@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.inference.experiment import Experiment
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import infer_errors, stated_circumstances
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
@@ -174,39 +175,49 @@ def rebuild_with_force(
     N·s/m, N/m] without its specimen is the computer's part. `force_channel` says what the recorded force
     holds beside that of the specimen, all of which was fed back.
     """
+    readings = Readings.from_histories(
+        command,
+        measured_displacement,
+        time_step,
+        structure,
+        sensor_offset=sensor_offset,
+        resolution=resolution,
+    )
+    circumstances = stated_circumstances(
+        readings.channels, structure, tolerances or Tolerances(), feedback_lag
+    )
+    circumstances = replace(
+        circumstances, left_by_faults={**circumstances.left_by_faults, "mass": mass_deviation}
+    )
+    return rebuild_learned(readings, force, force_channel or ForceChannel(), circumstances, seed=seed)
+
+
+def rebuild_learned(
+    readings: Readings, force: Array, channel: ForceChannel, circumstances: Circumstances, *, seed: int = 0
+) -> MeasuredSpecimen:
+    """Learn the specimen from its force [N], shape (n,), and rebuild the error of its test."""
+    structure, step = circumstances.partition, readings.time_step
     with one_thread():
-        readings = Readings.from_histories(
-            command,
-            measured_displacement,
-            time_step,
-            structure,
-            sensor_offset=sensor_offset,
-            resolution=resolution,
-        )
         command, noise = readings.command, readings.noise
         force = _check_force(force, command)
-        stride = _samples_in_step(structure, time_step)
-        require_fitting(command.size, stride, time_step)
+        stride = _samples_in_step(structure, step)
+        require_fitting(command.size, stride, step)
         smooth = noise.smooth(command - readings.read)
-        histories = Histories(
-            command=command, measured=command - smooth, fed_back=smooth, time_step=time_step
-        )
+        histories = Histories(command=command, measured=command - smooth, fed_back=smooth, time_step=step)
         thin = histories.thin(stride)
-        channel = force_channel or ForceChannel()
         recorded_force = np.ascontiguousarray(noise.smooth(force)[::stride])
         channel_columns = columns_of_channel(recorded_force, thin.measured, thin.time_step)
         path = _path(
             histories, force, recorded_force - channel.values @ channel_columns, stride, noise, structure
         )
         test = LearnedTest(
-            channels=replace(readings.channels, drift_size=np.zeros(1), initial_size=0.0),
+            channels=readings.channels,
             recorded_command=command,
             every=stride,
             measured=thin.measured,
             path=path,
             whole=structure,
-            mass_deviation=mass_deviation,
-            feedback_lag=feedback_lag,
+            feedback_lag=circumstances.feedback_lag,
             channel=channel,
             added=channel_columns,
             learned=tuple(learn_specimen(path)),
@@ -214,7 +225,7 @@ def rebuild_with_force(
         )
         bounded_specimens = tuple(specimen for specimen in test.learned if test.is_bounded(specimen))
         test = replace(test, learned=bounded_specimens or test.learned[:1])
-        return _conclude(test, readings, histories, tolerances or Tolerances())
+        return _conclude(test, readings, histories, circumstances)
 
 
 def _samples_in_step(structure: Partition, time_step: float) -> int:
@@ -257,14 +268,14 @@ def _path(
 
 
 def _conclude(
-    test: LearnedTest, readings: Readings, histories: Histories, tolerances: Tolerances
+    test: LearnedTest, readings: Readings, histories: Histories, circumstances: Circumstances
 ) -> MeasuredSpecimen:
     """Draw what is not known, and put the error together."""
     specimens = test.learned
-    circumstances = stated_circumstances(test.channels, test.whole, tolerances, test.feedback_lag)
-    deviations = {name: deviation for name, deviation in test.deviations_of_force.items() if deviation}
     inferred = infer_errors(
-        replace(circumstances, left_by_faults={**circumstances.left_by_faults, **deviations}),
+        replace(
+            circumstances, left_by_faults={**circumstances.left_by_faults, **test.channel.deviations_by_name}
+        ),
         test.every,
         test.seed,
         draws=DRAWS_OF_LINEAR if specimens[0].linear else DRAWS,

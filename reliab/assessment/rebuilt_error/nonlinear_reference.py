@@ -23,6 +23,7 @@ import numpy as np
 
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import infer_errors, stated_circumstances
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.rebuild import Readings, RebuiltError
@@ -76,30 +77,45 @@ def rebuild_with_specimen(
     >>> bool(abs(error.rms.value / true - 1.0) < 0.02)
     True
     """
-    perfect = HybridTest(
-        structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
-    )
-    tangent = tangent_structure(perfect)
+    tangent = tangent_structure(test)
     readings = Readings.from_histories(
         command, measured_displacement, time_step, tangent, sensor_offset=sensor_offset
     )
-    command, noise = readings.command, readings.noise
-    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), time_step)
+    circumstances = stated_circumstances(
+        readings.channels, tangent, tolerances or Tolerances(), feedback_lag=0.0
+    )
+    return rebuild_modelled(readings, test, deviations or {}, circumstances, draws=draws, seed=seed)
+
+
+def rebuild_modelled(
+    readings: Readings,
+    test: HybridTest,
+    deviations: Mapping[str, float],
+    circumstances: Circumstances,
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> RebuiltError:
+    """Rebuild the error of a test with a calibrated specimen, whose channels show nothing of what is unknown.
+
+    `deviations` of the model's parameters.
+    """
+    command, step = readings.command, readings.time_step
+    tangent = circumstances.partition
+    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), step)
     modelled = ModelledTest(
-        model=perfect,
-        deviations=deviations or {},
+        model=HybridTest(
+            structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
+        ),
+        deviations=deviations,
         channels=readings.channels,
         recorded_command=command,
         every=stride,
         seed=seed,
     )
-    channels = replace(readings.channels, drift_size=np.zeros(1), initial_size=0.0)
-    circumstances = stated_circumstances(channels, tangent, tolerances or Tolerances(), feedback_lag=0.0)
     inferred = infer_errors(circumstances, stride, seed, draws=draws, test=modelled)
-    difference = noise.smooth(command - readings.read)
-    histories = Histories(
-        command=command, measured=command - difference, fed_back=difference, time_step=time_step
-    )
+    difference = readings.noise.smooth(command - readings.read)
+    histories = Histories(command=command, measured=command - difference, fed_back=difference, time_step=step)
     return readings.error_with(histories, tangent, inferred)
 
 
@@ -153,12 +169,14 @@ class ModelledTest(SimulatedTest):
             damping_ratio=min(structure.damping_ratio * world.damping_ratio, _LARGEST_RATIO),
         )
         measured = self.displacement(world)
-        exact = self._respond(replace(model, structure=structure), measured)
+        exact = self._respond(replace(model, structure=structure), measured, world.feedback_lag)
         return np.stack([measured - exact, exact])[:, np.newaxis]
 
-    def _respond(self, model: HybridTest, measured: Array) -> Array:
+    def _respond(self, model: HybridTest, measured: Array, feedback_lag: float) -> Array:
         step, numerical, motion = self.time_step, model.substructure, self._motion.values
         force = load(model, Motion3.interpolate(measured, step))
+        if feedback_lag:
+            force = force - feedback_lag * np.gradient(force, step)
         demand = -(
             motion[2] + numerical.damping * motion[1] + numerical.stiffness * motion[0] + force / model.mass
         )
