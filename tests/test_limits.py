@@ -186,7 +186,7 @@ def test_a_record_in_a_large_file_is_refused_after_reading_no_more_than_allowed(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rest_share", [pytest.param(0, marks=pytest.mark.slow), 10_000])
-def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest_share):
+def test_a_long_running_test_holds_two_stretches_and_all_of_it_at_a_quarter_of_the_rate(rest_share):
     stretch, seconds = 2048, 80
     time = np.arange(seconds * 256) * STEP
     command = np.concatenate([np.zeros(rest_share), np.sin(6.0 * time)])
@@ -195,6 +195,7 @@ def test_a_running_test_of_any_length_takes_the_memory_of_two_stretches(rest_sha
         monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])
         assert monitor._running.kept_samples <= 2 * stretch  # noqa: SLF001
         assert monitor._running._table.shape[2] <= 4 * stretch  # noqa: SLF001
+        assert monitor._held.rows.shape[2] <= max(2 * stretch, command.size // 4)  # noqa: SLF001
     assert monitor.now.samples == command.size
 
 

@@ -35,6 +35,7 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 _MOST_HELD = 1 << 19  # samples before two of a long test are joined
+_COARSEST = 4  # times the step that resolves the structure's modes, to which samples are joined at most
 _STRETCH = 1 << 14  # samples that resolve the structure's modes
 
 DRAWS = 64
@@ -45,7 +46,7 @@ class HeldSamples:
     """Samples of a test so far; of a long test means of as many samples as its structure allows.
 
     `most`: number of samples that are held before two of them are joined to their mean; `most_joined`: number
-    of samples of which one still resolves the structure's modes.
+    of samples that are joined to one at most.
     """
 
     def __init__(self, actuators: int, most: int, most_joined: int) -> None:
@@ -152,7 +153,8 @@ class Monitor(RunningTest):
             carry=self._carry,
             test=None if self._model is None else self._model.test,
         )
-        self._held = HeldSamples(self._partition.degrees, stretch or _MOST_HELD, 1 if is_held else stride)
+        most_joined = 1 if is_held else _COARSEST * stride
+        self._held = HeldSamples(self._partition.degrees, stretch or _MOST_HELD, most_joined)
         self._has_begun = False  # whether samples of the motion were forgotten
         self._judged: tuple[str, ...] = self._partition.names
 

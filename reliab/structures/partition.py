@@ -438,23 +438,17 @@ class Partition:
     def scale(
         self,
         *,
-        frequency: float | Array = 1.0,
-        damping_ratio: float | Array = 1.0,
-        share: float | Array = 1.0,
+        frequency: float = 1.0,
+        damping_ratio: float = 1.0,
+        share: float = 1.0,
     ) -> "Partition":
-        """Structure with all frequencies, damping ratios and the specimen multiplied by factors.
-
-        Factors of many draws, shape (draws,), give its matrices a first axis of draws.
-        """
-        f, ratio, part = (
-            np.asarray(factor)[..., np.newaxis, np.newaxis] for factor in (frequency, damping_ratio, share)
-        )
+        """Structure with all frequencies, damping ratios and the specimen multiplied by factors."""
         return self.replace_values(
-            damping=self.damping * (f * ratio),
-            stiffness=self.stiffness * f**2,
-            specimen_stiffness=self.specimen_stiffness * (f**2 * part),
-            specimen_damping=self.specimen_damping * (f * part),
-            specimen_mass=self.specimen_mass * part,
+            damping=self.damping * (frequency * damping_ratio),
+            stiffness=self.stiffness * frequency**2,
+            specimen_stiffness=self.specimen_stiffness * (frequency**2 * share),
+            specimen_damping=self.specimen_damping * (frequency * share),
+            specimen_mass=self.specimen_mass * share,
         )
 
     @property
@@ -466,14 +460,6 @@ class Partition:
                 return np.asarray(shape / interface_displacement)
         interface = self.interface[:, 0]
         return np.asarray(interface / float(interface @ interface))
-
-    @property
-    def shapes_of_interface(self) -> Array:
-        """Shapes in which interface displacements are one, shape (n, p): of one alone, the lowest mode."""
-        if self.degrees == 1:
-            return self.first_mode[:, np.newaxis]
-        displacement = np.linalg.solve(self.stiffness, self.interface)
-        return np.asarray(np.linalg.solve((self.interface.T @ displacement).T, displacement.T).T)
 
     def error_transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from x_c − x_m to the interface's error, Γᵀ(M s² + C s + K)⁻¹Γ Z(s).

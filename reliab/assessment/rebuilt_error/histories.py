@@ -60,7 +60,7 @@ class Histories:
         )
 
     def recursion(self, structure: Partition) -> Recursion:
-        """Recursion from x_c − x_m at these samples to the error of a structure, or of draws of it."""
+        """Recursion from x_c − x_m at these samples to the error of a structure."""
         return Recursion.from_displacement(structure, self.time_step, smooth=self.smooth)
 
     def standing_in(self, recursion: Recursion) -> Array:
