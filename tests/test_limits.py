@@ -9,7 +9,7 @@ from scipy.io import savemat
 
 from reliab.assessment.assess import assess
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.size import LARGEST_DRAW_SIZE
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, require_small

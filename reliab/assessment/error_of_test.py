@@ -18,10 +18,10 @@ from reliab.assessment.budget.sizes import (
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts
 from reliab.assessment.rebuilt_error.readings import require_lag
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
@@ -304,8 +304,8 @@ def _rebuild_with_model(
     sensor_offset: float | None,
 ) -> RebuiltError:
     """Rebuild the error with a calibrated model of the specimen; `measured_displacement` [m]."""
-    from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_modelled, tangent_structure
-    from reliab.assessment.rebuilt_error.rebuild import Readings
+    from reliab.assessment.modelled_test import rebuild_modelled, tangent_structure
+    from reliab.assessment.rebuild import Readings
 
     structure = tangent_structure(model.test)
     readings = Readings.from_histories(
@@ -332,7 +332,7 @@ def _infer(
     `measured_displacement`, `sensor_offset` [m].
     """
     from reliab.assessment.inferred_error import infer_errors
-    from reliab.assessment.rebuilt_error.rebuild import Readings
+    from reliab.assessment.rebuild import Readings
 
     structure, equipment_sizes = question.full_structure, question.sizes(recording.time_step)
     require_lag(question.feedback_lag, recording.duration)
@@ -414,7 +414,7 @@ def _learn_specimen(
         )
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import rebuild_learned
-    from reliab.assessment.rebuilt_error.rebuild import Readings
+    from reliab.assessment.rebuild import Readings
 
     readings = Readings.from_histories(
         recording.command,

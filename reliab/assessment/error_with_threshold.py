@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
     from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
-    from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+    from reliab.assessment.rebuild import RebuiltError
     from reliab.assessment.rebuilt_error.spread import DisplacementError
 
 

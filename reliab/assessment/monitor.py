@@ -15,14 +15,14 @@ import numpy as np
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
-from reliab.assessment.rebuilt_error.initial import Start, start_of_test
-from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
-from reliab.assessment.rebuilt_error.nonlinear_reference import (
+from reliab.assessment.modelled_test import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.assessment.rebuild import RebuiltError, rebuild
+from reliab.assessment.rebuilt_error.initial import Start, start_of_test
+from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
@@ -92,7 +92,7 @@ class Monitor(RunningTest):
     >>> monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), 1.0 / 256.0)
     >>> for chunk in np.array_split(np.stack([command, 0.99 * command]), 7, axis=1):
     ...     monitor.feed(*chunk)
-    >>> from reliab.assessment.rebuilt_error.rebuild import rebuild
+    >>> from reliab.assessment.rebuild import rebuild
     >>> whole = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
     >>> monitor.ask(draws=256).rms == whole.rms
     True

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.yielding_sweep import (
     errors_with_specimens,

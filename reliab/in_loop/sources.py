@@ -12,6 +12,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from reliab.assessment.modelled_test import tangent_structure
 from reliab.assessment.rebuilt_error.initial import FEWEST_AT_REST, SHIFT_OF_COMMAND, SIGNIFICANT_OFFSET
 from reliab.assessment.rebuilt_error.loop_energy import (
     FALSE_ALARMS,
@@ -28,7 +29,6 @@ from reliab.assessment.rebuilt_error.loop_energy import (
     select_modes,
 )
 from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
-from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.running_specimen import (

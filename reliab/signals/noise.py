@@ -12,7 +12,7 @@ steps that are shifted against each other, or from a model's prediction, where o
 conversion remains unknown.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +37,6 @@ _FEWEST_LEVELS = 3  # any two lie on a grid
 _GRID_TOLERANCE = 0.02  # of a step; a text rounds the levels once more
 _LEVEL_TOLERANCE = 1e-9  # of the range: two values so near are one level
 _REFINEMENTS = 3
-_GRIDS = 8
 _LARGEST_SPREAD = 0.45  # of a step; more noise than this makes the error independent of the signal
 _EXACT_BELOW = 0.05
 _HARMONICS = 12
@@ -215,17 +214,6 @@ def converter_step(values: Array) -> float:
         places = np.concatenate([[0.0], np.cumsum(np.round(distances / step))])
         step = float(np.polyfit(places, levels, 1)[0])
     return step if np.abs(levels / step - places).max() < _GRID_TOLERANCE else 0.0
-
-
-def vary_rounding(motion: Array, step: float) -> Iterator[Array]:
-    """Round a motion on grids of steps that are shifted against each other.
-
-    `motion`: a motion, shape (n,); `step`: step of the converter, in the unit of the motion. Yields what
-    rounding on a grid adds, shape (n,).
-    """
-    for shift in (np.arange(_GRIDS) + 0.5) / _GRIDS:
-        motion_in_steps = motion / step + shift
-        yield step * (np.round(motion_in_steps) - motion_in_steps)
 
 
 def expect_rounding_error(signal: Array, step: float, spread: float, level: float) -> Array | None:

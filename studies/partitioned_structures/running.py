@@ -17,7 +17,7 @@ from reliab_studies.laboratory.compensators.model_inverse import ModelInverse
 from reliab_studies.laboratory.laboratory import Rig, Run, Sensors, run_laboratory
 from reliab_studies.rths_benchmark.benchmark import benchmark_partition
 
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent

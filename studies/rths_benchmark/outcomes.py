@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from reliab_studies.laboratory.laboratory import Run, run_laboratory
 
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.verdict import word_of_probability
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError

@@ -24,8 +24,8 @@ from reliab.assessment.measured_specimen.learned_test import Members
 from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learn_family
 from reliab.assessment.measured_specimen.path import MeasuredPath
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.errors import InputError
 from reliab.structures.partition import Partition

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from reliab.assessment.modelled_test import tangent_structure
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.nonlinear_reference import tangent_structure
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest

@@ -10,7 +10,7 @@ from rebuilt_error.laboratory import CUBIC, DELAY, HYSTERESIS, RATE, Lab, run, s
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import Equipment, exact_equipment, ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
 from reliab.assessment.verdict import Verdict, Word
 from reliab.assessment.yielding import (

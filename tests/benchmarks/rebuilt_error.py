@@ -34,9 +34,9 @@ from rebuilt_error import laboratory as lab
 from scipy.stats import beta
 
 from reliab.assessment.assess import assess
+from reliab.assessment.modelled_test import rebuild_with_specimen
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.stated_value import StatedValue

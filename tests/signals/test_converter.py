@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.signals.noise import converter_step, expect_rounding_error, vary_rounding
+from reliab.signals.noise import converter_step, expect_rounding_error
 
 
 def test_all_levels_are_whole_steps_apart():
@@ -31,17 +31,6 @@ def test_levels_differing_by_rounding_are_one():
     levels = 0.1 * np.arange(10.0)
     reading = np.concatenate([levels, levels * (1.0 + 1e-15), np.tile(levels, 30)])
     assert converter_step(reading) == pytest.approx(0.1)
-
-
-def test_a_motion_is_rounded_on_every_shifted_grid():
-    motion = 0.04 * np.random.default_rng(9).standard_normal(3000)
-    noises = np.array(list(vary_rounding(motion, 0.02)))
-    places = (motion + noises) / 0.02
-    shifts = np.sort(np.unique(np.round(places - np.floor(places), 9)))
-    assert shifts == pytest.approx((np.arange(8) + 0.5) / 8)
-    assert np.abs(noises).max() <= 0.01 * (1.0 + 1e-9)
-    # of a value that stands, the grids together give Δ²/12 less that of their own spacing
-    assert np.mean(noises**2, axis=0) == pytest.approx(np.full(3000, 0.02**2 / 12.0), rel=0.05)
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.1, 0.3])

@@ -1,6 +1,6 @@
 """The error of a test with several actuators, rebuilt from its commands and measured displacements.
 
-The equation is that of one actuator with vectors in place of numbers (see `rebuilt_error/rebuild.py`); it
+The equation is that of one actuator with vectors in place of numbers (see `rebuild.py`); it
 needs neither the ground motion nor a reference. Sensors stand at the actuators: noise, offsets and scales are
 drawn there, and a matrix carries them to the interface.
 """

@@ -70,11 +70,13 @@ class ChannelSpectra:
         force: Array | None = None,
         interface_matrix: Array | None = None,
         corner: float | None = None,
+        resolution: float = 0.0,
     ) -> "ChannelSpectra":
         """Transform channels [m, m/s², N] on the record's grid, shape (p, n).
 
         `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
-        [Hz], above which no noise is left to be read.
+        [Hz], above which no noise is left to be read; `resolution`: step of the converters of the measured
+        displacements [m], whose rounding is at least white noise of its variance.
         """
         frequencies, ratios, _ = partition.modes
         lowest = float(frequencies[0])
@@ -87,6 +89,7 @@ class ChannelSpectra:
         )
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
+        noise = np.maximum(noise, resolution**2 / 12.0)
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
         tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)

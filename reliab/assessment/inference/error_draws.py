@@ -93,10 +93,9 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
         mean += weights[draw] * histories[0]
         square += weights[draw] * histories[0] ** 2
         solution_mean += weights[draw] * solution
-    error, exact = test.on_record(solution_mean)
+    on_record = test.on_record(solution_mean)
     deviation = np.sqrt(np.maximum(square - mean**2, 0.0))
-    samples = np.arange(deviation.shape[1])
-    factors = _between_samples(test.histories(solution_mean), np.stack([error, exact]))
+    factors = _between_samples(test.histories(solution_mean), on_record)
     return ErrorsOfTest(
         displacements=tuple(
             ErrorDraws(
@@ -107,9 +106,9 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
             )
             for place, name in enumerate(partition.names)
         ),
-        error=error,
-        exact=exact,
-        deviation=np.stack([np.interp(test.places, samples, row) for row in deviation]),
+        error=on_record[0],
+        exact=on_record[1],
+        deviation=np.stack([np.interp(test.places, np.arange(row.size), row) for row in deviation]),
         factors=factors,
     )
 

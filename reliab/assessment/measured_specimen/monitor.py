@@ -12,8 +12,8 @@ import numpy as np
 
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningSums, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array

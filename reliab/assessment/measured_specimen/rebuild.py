@@ -23,6 +23,7 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
+from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.error_statistics import relative_error, relative_errors
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
@@ -37,7 +38,6 @@ from reliab.assessment.rebuilt_error.parts import (
     part_of,
     parts_of,
 )
-from reliab.assessment.rebuilt_error.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances

@@ -76,8 +76,6 @@ class SensorNoise:
     # Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
     # above the noise
     band: float
-    # Step of the converter of the measured displacement [m]; None to read it from the samples
-    resolution: float | None = None
     ripple: float = RIPPLE  # How far the filter's deviations in the band lie below one [dB]
 
     @property

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError, rebuild
+from reliab.assessment.modelled_test import rebuild_with_specimen
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import FEWEST_PERIODS, examine_specimen
 from reliab.core.arrays import Array
 from reliab.motions.motion import Motion, resample

@@ -9,7 +9,7 @@ import numpy as np
 
 from reliab.assessment.default_criterion import default_criterion
 from reliab.assessment.placement import scale_limits
-from reliab.assessment.rebuilt_error.rebuild import RebuiltError
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.verdict import Word, word_of_probability
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError

@@ -7,7 +7,7 @@ import pytest
 from coupled_structures import coupled_response, lag
 
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric

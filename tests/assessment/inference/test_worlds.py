@@ -66,3 +66,17 @@ def test_an_error_at_the_first_sample_is_a_free_vibration():
     world = {"initial_displacement": 1e-3, "initial_velocity": 2e-3}
     change, later = error_in_world(**world) - error_in_world(), slice(64, INSIDE.stop)
     assert change[later] == pytest.approx((1e-3 * slow + 2e-3 * fast)[later], abs=4e-5)
+
+
+def test_rounding_by_a_stated_step_is_noise_of_its_variance():
+    """Of a slow motion without noise, whose rounding does not reach the frequencies above it."""
+    step = 5e-3
+    read = step * np.round(MEASURED / step)
+    plain, stated = (
+        ChannelSpectra.from_channels(
+            COMMAND[np.newaxis], read[np.newaxis], STEP, STRUCTURE, resolution=resolution
+        ).noise[0]
+        for resolution in (0.0, step)
+    )
+    assert plain < 0.5 * stated
+    assert stated == pytest.approx(np.var(read - MEASURED), rel=0.2)

@@ -22,7 +22,7 @@ from rebuilt_error.laboratory import (
     synthetic_ground,
 )
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantise, run, synthetic_ground
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.parts import parts_of
-from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric

@@ -7,7 +7,7 @@ import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, noise, run, synthetic_ground
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.core.errors import InputError
 from reliab.structures.structure import Structure
 

@@ -16,8 +16,8 @@ from rebuilt_error.laboratory import (
     synthetic_ground,
 )
 from reliab.assessment.assess import assess
-from reliab.assessment.rebuilt_error.nonlinear_reference import rebuild_with_specimen
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.modelled_test import rebuild_with_specimen
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError

@@ -7,8 +7,8 @@ import pytest
 import scipy
 
 from reliab.assessment.monitor import Monitor
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, ForgettingSums, net_damping, select_modes
-from reliab.assessment.rebuilt_error.rebuild import rebuild
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
-from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.nonlinear_reference import (
+from reliab.assessment.modelled_test import (
     ModelledTest,
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.monitor import Monitor
+from reliab.assessment.rebuild import rebuild
+from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.specimen_check import (
     _cross_validation_residual,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.rebuild import rebuild
+from reliab.assessment.rebuild import rebuild
 from reliab.assessment.yielding import errors_of_ductilities
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition

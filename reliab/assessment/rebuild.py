@@ -107,7 +107,7 @@ class Readings:
         command, measured_displacement = check_histories(command, measured_displacement, time_step, structure)
         stride = samples_in_step_of_structure(structure, time_step)
         require_fitting(command.size, stride, time_step)
-        noise = replace(estimate_noise(command, measured_displacement, time_step), resolution=resolution)
+        noise = estimate_noise(command, measured_displacement, time_step)
         start = start_of_test(command, measured_displacement, time_step, structure, noise, sensor_offset)
         read = measured_displacement - start.offset
         initial_displacement = (
@@ -121,6 +121,7 @@ class Readings:
             structure,
             ground=ground,
             force=None if force is None else force[np.newaxis],
+            resolution=resolution or 0.0,
         )
         channels = replace(
             channels,

@@ -25,8 +25,8 @@ from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import infer_errors, stated_circumstances
+from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
