@@ -74,9 +74,7 @@ class Option:
         if kind == Quantity:
             is_read = isinstance(checked_value, StatedValue)
             return checked_value if is_read else StatedValue.parse(str(checked_value), f"value of `{name}`")
-        return (
-            _read_file(str(kind), checked_value) if isinstance(checked_value, str | Path) else checked_value
-        )
+        return _read_object(str(kind), checked_value)
 
     def check_value(self, value: Any) -> Any:  # noqa: ANN401 - of many types
         """Refuse a file to write that is of another kind; take units off numbers."""
@@ -97,22 +95,27 @@ class Option:
         return value
 
 
-def _read_file(kind: str, value: str | Path) -> Any:  # noqa: ANN401 - of many types
-    """Read the file that may stand in place of an object; any other text or path is what it is."""
-    match kind.rpartition(" ")[2]:
-        case "Criterion":
+def _read_object(kind: str, value: Any) -> Any:  # noqa: ANN401 - of many types
+    """Read the file or the texts that may stand in place of an object; anything else is what it is."""
+    match kind.rpartition(" ")[2], value:
+        case "Criterion", str() | Path():
             from reliab.criterion.criterion import Criterion
 
             return Criterion.read(value)
-        case "Equipment":
+        case "Equipment", str() | Path():
             from reliab.assessment.budget.sizes import read_equipment
 
             return read_equipment(value)
-        case "Motion":
+        case "ForceChannel", Iterable():
+            from reliab.assessment.measured_specimen.force_channel import ForceChannel
+
+            texts = list(value)
+            return ForceChannel.parse(texts) if texts else None
+        case "Motion", str() | Path():
             from reliab.motions.loading import read_motion
 
             return read_motion(value)
-        case "UpdatedModel":
+        case "UpdatedModel", str() | Path():
             from reliab.simulation.hybrid_test.model_file import read_model
 
             return read_model(value)

@@ -10,6 +10,7 @@ from reliab.sweep.several import Names, Numbers
 
 if TYPE_CHECKING:
     from reliab.assessment.budget.sizes import Equipment
+    from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.criterion.criterion import Criterion
     from reliab.simulation.hybrid_test.model import HybridTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
@@ -237,7 +238,7 @@ class SpecimenOptions(TypedDict, total=False):
     """
 
     specimen: Annotated[str | None, STRUCTURE.advanced("linear|measured")]
-    force_channel: Annotated[Iterable[str] | None, SENSORS.advanced("NAME=VALUE")]
+    force_channel: Annotated["Iterable[str] | ForceChannel | None", SENSORS.advanced("NAME=VALUE")]
 
 
 @group

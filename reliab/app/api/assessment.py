@@ -175,20 +175,13 @@ def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read what one mass and frames are judged by alike."""
     specimen = question["specimen"]
     is_measured = require_known_specimen(specimen, has_model=question["model"] is not None)
-    statements = tuple(question["force_channel"] or ())
-    force_channel = None
-    if statements:
-        if not is_measured:
-            raise refuse_unused("force_channel", "unless the `specimen` is measured")
-        from reliab.assessment.measured_specimen.force_channel import ForceChannel
-
-        force_channel = ForceChannel.parse(statements)
+    if question["force_channel"] is not None and not is_measured:
+        raise refuse_unused("force_channel", "unless the `specimen` is measured")
     return {
-        **{name: question[name] for name in ("criterion", "motion")},
+        **{name: question[name] for name in ("criterion", "motion", "force_channel")},
         "equipment": choose_equipment(question["equipment"], exact=question["exact"]),
         "measured_specimen": is_measured,
         "linear_specimen": specimen == LINEAR,
-        "force_channel": force_channel,
         "threshold": parse_threshold(question["threshold"]),
         "metric": Metric.parse(question["metric"] or Metric.RMS),
     }

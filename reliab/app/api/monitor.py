@@ -87,8 +87,7 @@ def follow_test(
     >>> end.kind, end.to_dict()["verdict"]
     ('end', 'reliable')
     """
-    force_channel = None if request["force_channel"] is None else list(request["force_channel"])
-    question: dict[str, Any] = {**request, "force_channel": force_channel}
+    question: dict[str, Any] = {**request}
     _require_clock(request["rate"], **{name: question[name] for name in ("every", "wait", "start_within")})
     path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
     laboratory = FileReading.from_question(request).laboratory()
@@ -168,7 +167,7 @@ def _parse_force_channel(question: Mapping[str, Any]) -> ForceChannel | None:
         )
     if has_frame:
         refuse_stated(question, "mass", reason="together with `structure`, which describes the test")
-    return ForceChannel.parse(question["force_channel"] or ())
+    return question["force_channel"] or ForceChannel()
 
 
 def _find_mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:

@@ -62,7 +62,7 @@ _READ_AS: Final[Mapping[Any, Any]] = {
     str | Path: Path,
     **{kind: kind for kind in (bool, int, float, str, Path, list[Path], tuple[str, str])},
 }
-"""What Typer reads for the type of an argument; a file for one that is not imported."""
+"""What Typer reads for the type of an argument; texts or a file for one that is not imported."""
 
 
 class Request:
@@ -238,7 +238,9 @@ def _parameter(
     options: Mapping[str, Option],
 ) -> inspect.Parameter:
     """Parameter of which Typer makes the option."""
-    read_as: Any = Path if isinstance(kind, str) else _READ_AS[kind]
+    read_as: Any = _READ_AS.get(kind)
+    if read_as is None:
+        read_as = list[str] if kind.startswith("Iterable") else Path
     flags = {option_name: declaration.flags(option_name)[0] for option_name, declaration in options.items()}
     help_ = _replace_by_flags(option.help, flags)
     details: dict[str, Any] = {"metavar": option.metavar or None, "help": help_, **option.limits}
