@@ -97,7 +97,7 @@ ADDITIONS = {
         from reliab.study.folders import StudyKind
 
         KIND = StudyKind(
-            name="nothing", tables=Study, stages=lambda study, show: (), report=lambda study, folder: {}
+            name="nothing", tables=Study, stages=lambda study: (), report=lambda study, folder: {}
         )
         """,
     ),

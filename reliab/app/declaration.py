@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
 from reliab.core.files import require_ending
-from reliab.core.progress import Progress, Show
+from reliab.core.progress import Progress
 from reliab.core.stated_value import StatedValue
 from reliab.sweep.several import Names, Numbers
 
@@ -252,7 +252,6 @@ _SECTION = "Parameters\n----------\n"
 _LATER_SECTION = re.compile(r"\n\n(?=(?:Returns|Raises|Notes|Examples)\n-)")
 _TASKS: Mapping[str, str] = {
     "progress": "Called after each test, motion or file with how many are done, and how many there are.",
-    "show": "Takes the name of a task and shows its progress.",
     "setting": "Paper, title, date, and name and logo of the laboratory of a report.",
 }
 """Texts of arguments that no command line states."""
@@ -292,7 +291,6 @@ _TYPE_WORDS: Mapping[Any, str] = {
     Iterable[str]: "iterable of str",
     Files: "str, pathlib.Path or sequence of these",
     Progress: "callable",
-    Show: "callable",
 }
 
 

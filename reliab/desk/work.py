@@ -272,7 +272,6 @@ def diagnose(campaign: str, folder: str, tell: Tell) -> Filed:
     addition = diagnose_campaign(
         campaign,
         out=folder,
-        show=show_task,
         tell=lambda diagnosis: tell(f"{diagnosis.verdict}: {diagnosis.statement}"),
     )
     with show_task("Writing the report"):

@@ -19,7 +19,6 @@ from typing import Any, Final
 
 from reliab.core.described_files import read_toml
 from reliab.core.errors import InputError
-from reliab.core.progress import Show
 from reliab.core.shipped import find_shipped_folder
 from reliab.report.document import Document
 from reliab.study.description import Study
@@ -37,8 +36,8 @@ class StudyKind:
     tables : type of Study
         The study with exactly the tables and keys that the kind knows.
     stages : callable
-        Takes such a study and a function that shows progress; returns the stages before the report, in their
-        order. What cannot be run is refused here, before the first stage.
+        Takes such a study; returns the stages before the report, in their order, which show their progress by
+        :func:`reliab.core.progress.show_task`. What cannot be run is refused here, before the first stage.
     report : callable
         Takes such a study and its run folder; gives the report, or its content as
         :func:`reliab.report.content.read_content` reads it. Nothing is simulated any more.
@@ -46,7 +45,7 @@ class StudyKind:
 
     name: str
     tables: type[Study]
-    stages: Callable[[Any, Show], Sequence[Stage]]
+    stages: Callable[[Any], Sequence[Stage]]
     report: Callable[[Any, Path], Document | Mapping[str, bytes]]
 
 

@@ -7,7 +7,6 @@ from typing import Any, Final
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.core.files import decoding, refuse_links, written_whole
-from reliab.core.progress import Show, quietly
 from reliab.core.shipped import is_own_data
 from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
@@ -99,7 +98,6 @@ def run_study(
     study: Study,
     out: str | Path,
     *,
-    show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _finished: None,
     setting: ReportSetting | None = None,
 ) -> Path:
@@ -111,8 +109,6 @@ def run_study(
         The study.
     out : str or pathlib.Path
         Its run folder.
-    show : callable, optional
-        Takes the name of a task and shows its progress.
     tell : callable, optional
         Called after each stage with its name and whether there was something to do.
     setting : Setting, optional
@@ -128,7 +124,7 @@ def run_study(
     InputError
         If the study asks for what is not there, or the folder holds something else.
     """
-    stages = list(KINDS[study.kind].stages(study, show))
+    stages = list(KINDS[study.kind].stages(study))
     results = [name for stage in stages for name in stage.writes]
     with RunFolder.open(Path(out), study=study.model_dump(mode="json")) as folder:
         for stage in (*stages, _reporting(study, results, setting)):

@@ -12,7 +12,7 @@ import xarray as xr
 
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation
@@ -156,7 +156,7 @@ VALIDATION: Final = "validation.json"
 _PAPER_ERROR = (0.05, str(Metric.RMS))
 
 
-def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[Stage]:
+def simulation(study: SimulatedStudy, material: Material) -> list[Stage]:
     """Simulate the study's motions, unless results are given."""
     if material.results_path is not None:
         return []
@@ -169,7 +169,7 @@ def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[St
 
     def work(folder: Path) -> None:
         path = folder / RESULTS
-        with show("Simulating") as progress:
+        with show_task("Simulating") as progress:
             run_sweep(material.motions, request, path, resume=path.exists(), progress=progress)
 
     inputs = {
@@ -180,11 +180,11 @@ def simulation(study: SimulatedStudy, material: Material, show: Show) -> list[St
     return [Stage(name="simulate", inputs=inputs, writes=(RESULTS,), work=work)]
 
 
-def tracing(study: SimulatedStudy, material: Material, show: Show) -> Stage:
+def tracing(study: SimulatedStudy, material: Material) -> Stage:
     """Trace the boundaries in the results."""
 
     def work(folder: Path) -> None:
-        with show("Tracing boundaries") as progress:
+        with show_task("Tracing boundaries") as progress:
             ellipses = material.results(folder).reliab.ellipses(
                 study.errors.thresholds, [Metric(name) for name in study.errors.metrics], progress=progress
             )
@@ -214,13 +214,13 @@ class DerivedCriteria:
     refusals: tuple[str, ...]  # A sentence for each error and confidence for which they are too few
 
 
-def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> Stage:
+def derivation(errors: ErrorsTable, criterion: CriterionTable) -> Stage:
     """Derive the study's criteria, one for each error and confidence for which the motions suffice."""
 
     def work(folder: Path) -> None:
         ellipses = drop_copies(open_ellipses(folder / ELLIPSES))
         results = [
-            _derive(ellipses, threshold, metric, criterion, show)
+            _derive(ellipses, threshold, metric, criterion)
             for metric in errors.metrics
             for threshold in errors.thresholds
         ]
@@ -236,14 +236,12 @@ def derivation(errors: ErrorsTable, criterion: CriterionTable, show: Show) -> St
     return Stage(name="derive", inputs=inputs, reads=(ELLIPSES,), writes=(CRITERIA,), work=work)
 
 
-def _derive(
-    ellipses: xr.Dataset, threshold: float, metric: str, table: CriterionTable, show: Show
-) -> DerivedCriteria:
+def _derive(ellipses: xr.Dataset, threshold: float, metric: str, table: CriterionTable) -> DerivedCriteria:
     """Learn once from the ellipses of one error, and derive a criterion at each confidence."""
     error_text = f"{100 * threshold:g} % of {ERROR_NAMES[Metric(metric)]}"
     error = f"No criterion for {error_text}"
     try:
-        with show(f"Learning at {error_text}") as progress:
+        with show_task(f"Learning at {error_text}") as progress:
             derivation = Derivation.from_ellipses(
                 ellipses,
                 method=method_of(table.method),
@@ -281,7 +279,7 @@ def derivation_of(folder: Path) -> DerivedCriteria:
     )
 
 
-def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
+def judgement(study: CriterionStudy, material: Material) -> Stage:
     """Judge the study's criterion, the paper's way to derive one, and the printed ones."""
     threshold, metric = study.errors.thresholds[0], study.errors.metrics[0]
 
@@ -290,7 +288,7 @@ def judgement(study: CriterionStudy, material: Material, show: Show) -> Stage:
         refusals: dict[str, str] = {}
         for scheme in study.validation.schemes:
             try:
-                with show(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
+                with show_task(f"Cross-validating, {scheme.replace('_', ' ')}") as progress:
                     validation = cross_validate(
                         ellipses,
                         folds_of(scheme, ellipses["event"].values),

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Study
@@ -15,9 +14,9 @@ from reliab.study.stages import Stage, digest, read_result, software_provenance
 EVALUATION: Final = "evaluation.json"
 
 
-def stages(study: Study, show: Show) -> Sequence[Stage]:
+def stages(study: Study) -> Sequence[Stage]:
     """Take the figures that ship; the campaigns themselves do not."""
-    del study, show
+    del study
     figures = shipped("datasets", f"campaigns/{EVALUATION}")
 
     def work(folder: Path) -> None:

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import or_shipped
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, StudyTable
@@ -39,7 +39,7 @@ class DuctilityStudy(RecordsStudy):
     ductility: DuctilityTable = DuctilityTable()
 
 
-def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
+def stages(study: DuctilityStudy) -> Sequence[Stage]:
     """Simulate the tests, or take results that are stored."""
     if study.motions.results is not None:
         return (_taking(study, Path(study.motions.results)),)
@@ -57,7 +57,7 @@ def stages(study: DuctilityStudy, show: Show) -> Sequence[Stage]:
             for xi in table.xi
         ]
         threshold = study.ductility.threshold
-        with show("Testing nonlinear specimens") as progress:
+        with show_task("Testing nonlinear specimens") as progress:
             tests = tolerances(list(records.motions), structures, threshold=threshold, progress=progress)
         limits = compare_limits(tests).assign(alpha=table.experimental_fraction, threshold=threshold)
         for name, content in ((TESTS, tests), (LEVELS, compare_levels(tests)), (LIMITS, limits)):

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field
 
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, StudyTable
 from reliab.study.folders import StudyKind
@@ -42,7 +42,7 @@ class MultiAxialStudy(RecordsStudy):
     marths: MultiAxialTable = MultiAxialTable()
 
 
-def stages(study: MultiAxialStudy, show: Show) -> Sequence[Stage]:
+def stages(study: MultiAxialStudy) -> Sequence[Stage]:
     """Run the benchmark."""
     if study.motions.sources is None:
         raise InputError(
@@ -56,7 +56,7 @@ def stages(study: MultiAxialStudy, show: Show) -> Sequence[Stage]:
         from .outcomes import MultiAxialRequest, run_benchmark
 
         request = MultiAxialRequest(controllers=table.controllers, perturbed=table.perturbed, seed=table.seed)
-        with show("Running the multi-axial benchmark") as progress:
+        with show_task("Running the multi-axial benchmark") as progress:
             rows = run_benchmark(list(records.motions), request, progress=progress)
         with written_whole(folder / TESTS) as file:
             content = json.dumps({"tests": rows}, ensure_ascii=False, allow_nan=False, indent=1)

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field
 
 from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.report.document import Document
 from reliab.study.description import MotionsTable, Names, RecordsStudy, StudyTable
 from reliab.study.folders import StudyKind
@@ -50,7 +50,7 @@ class MeasuredSpecimenStudy(RecordsStudy):
     specimens: SpecimensTable = SpecimensTable()
 
 
-def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
+def stages(study: MeasuredSpecimenStudy) -> Sequence[Stage]:
     """Simulate tests and judge them."""
     if study.motions.results is not None:
         raise InputError(
@@ -63,7 +63,7 @@ def stages(study: MeasuredSpecimenStudy, show: Show) -> Sequence[Stage]:
     def work(folder: Path) -> None:
         from .judging import judge_tests, summarise
 
-        with show("Judging tests of nonlinear specimens") as progress:
+        with show_task("Judging tests of nonlinear specimens") as progress:
             tests = judge_tests(
                 list(records.motions),
                 table.families,

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from reliab.core.errors import InputError
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.report.document import Document
 from reliab.study.description import SimulatedStudy
 from reliab.study.folders import StudyKind
@@ -22,7 +22,7 @@ _EXAMPLE_MOTION = "KOBE/NIS000"
 _CASES_MOTION = "KOBE/KJM000"
 
 
-def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
+def stages(study: SimulatedStudy) -> Sequence[Stage]:
     """Simulate and trace all structures, then the example and the four cases."""
     if study.motions.sources is None:
         raise InputError(
@@ -32,10 +32,10 @@ def stages(study: SimulatedStudy, show: Show) -> Sequence[Stage]:
         )
     material = Material(study)
     return (
-        _example(material, show),
-        paper_cases(study.motions.sources, _CASES_MOTION, show),
-        *simulation(study, material, show),
-        tracing(study, material, show),
+        _example(material),
+        paper_cases(study.motions.sources, _CASES_MOTION),
+        *simulation(study, material),
+        tracing(study, material),
     )
 
 
@@ -53,13 +53,13 @@ def report(study: SimulatedStudy, folder: Path) -> Document:
     )
 
 
-def _example(material: Material, show: Show) -> Stage:
+def _example(material: Material) -> Stage:
     """Simulate the paper's example under one motion."""
 
     def work(folder: Path) -> None:
         from .example import run_paper_example
 
-        with show("Simulating the example"):
+        with show_task("Simulating the example"):
             example = run_paper_example(motion_by_name(material.motions, _EXAMPLE_MOTION))
         write_netcdf(example, folder / EXAMPLE)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy, StudyTable
 from reliab.study.folders import StudyKind
@@ -31,14 +31,14 @@ class PartitionedStudy(RecordsStudy):
     partitioned: PartitionedTable = PartitionedTable()
 
 
-def stages(study: PartitionedStudy, show: Show) -> Sequence[Stage]:
+def stages(study: PartitionedStudy) -> Sequence[Stage]:
     """Draw the tests, run them, and predict their errors."""
     records, table = Records(study), study.partitioned
 
     def work(folder: Path) -> None:
         from .running import draw_tests, run_tests, shares_of_structures
 
-        with show("Running partitioned tests") as progress:
+        with show_task("Running partitioned tests") as progress:
             tests = run_tests(draw_tests(list(records.motions), table.tests, table.seed), progress=progress)
         write_table(tests, folder / TESTS)
         write_table(shares_of_structures(), folder / SHARES)

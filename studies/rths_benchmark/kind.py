@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import Names, RecordsStudy, StudyTable
@@ -61,7 +61,7 @@ def _write_rows(rows: Sequence[Any], path: Path) -> None:
         file.write_text(content, encoding="utf-8")
 
 
-def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
+def stages(study: BenchmarkStudy) -> Sequence[Stage]:
     """Run the benchmark, and its published table where El Centro is among the records."""
     if study.motions.sources is None:
         raise InputError(
@@ -82,7 +82,7 @@ def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
             seed=table.seed,
             threshold=table.threshold,
         )
-        with show("Running the benchmark") as progress:
+        with show_task("Running the benchmark") as progress:
             rows = run_benchmark(list(records.motions), request, progress=progress)
         _write_rows(rows, folder / TESTS)
 
@@ -92,7 +92,7 @@ def stages(study: BenchmarkStudy, show: Show) -> Sequence[Stage]:
         motion = published_motion(list(records.motions))
         beside = pd.DataFrame(columns=list(_COLUMNS))
         if motion is not None:
-            with show("Comparing with the published table"):
+            with show_task("Comparing with the published table"):
                 beside = beside_published(motion, read_published(printed), seeds=table.noises)
         write_table(beside, folder / PUBLISHED)
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.criterion.provenance import records_checksum
 from reliab.report.document import Document
@@ -52,15 +52,15 @@ class SuitesStudy(SimulatedStudy):
     validation: TransferValidationTable = TransferValidationTable()
 
 
-def stages(study: SuitesStudy, show: Show) -> Sequence[Stage]:
+def stages(study: SuitesStudy) -> Sequence[Stage]:
     """Measure, simulate, trace, derive; then judge on the real motions."""
     material = Material(study)
     return (
-        _measuring(material, show),
-        *simulation(study, material, show),
-        tracing(study, material, show),
-        derivation(study.errors, study.criterion, show),
-        _transfer(study, show),
+        _measuring(material),
+        *simulation(study, material),
+        tracing(study, material),
+        derivation(study.errors, study.criterion),
+        _transfer(study),
     )
 
 
@@ -102,11 +102,11 @@ def report(study: SuitesStudy, folder: Path) -> Document:
     )
 
 
-def _measuring(material: Material, show: Show) -> Stage:
+def _measuring(material: Material) -> Stage:
     def work(folder: Path) -> None:
         from .comparison import response_spectra, suite_measures
 
-        with show("Measuring the motions"):
+        with show_task("Measuring the motions"):
             write_table(suite_measures(material.motions), folder / MEASURES)
             write_netcdf(response_spectra(material.motions), folder / SPECTRA)
 
@@ -114,7 +114,7 @@ def _measuring(material: Material, show: Show) -> Stage:
     return Stage(name="measure", inputs=inputs, writes=(MEASURES, SPECTRA), work=work)
 
 
-def _transfer(study: SuitesStudy, show: Show) -> Stage:
+def _transfer(study: SuitesStudy) -> Stage:
     """Learn from the suite, judge on the real motions, never by motions of the same earthquake."""
     results = real_results(study.structures.f, study.structures.xi)
 
@@ -123,7 +123,7 @@ def _transfer(study: SuitesStudy, show: Show) -> Stage:
         events, checksums = (learned[name].values.tolist() for name in ("event", "checksum"))
         among = np.array([name or "" for name in earthquakes_among(events, checksums, real)], dtype=np.str_)
         shared = [name if name in among else None for name in real["event"].values.tolist()]
-        with show("Judging on the real motions") as progress:
+        with show_task("Judging on the real motions") as progress:
             validation = cross_validate(
                 real,
                 from_another(shared, among),

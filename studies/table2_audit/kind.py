@@ -8,7 +8,7 @@ import pandas as pd
 
 from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
 from reliab.study.description import RecordsStudy
@@ -19,7 +19,7 @@ from reliab.study.steps import Records
 ROWS: Final = "table2.csv"
 
 
-def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
+def stages(study: RecordsStudy) -> Sequence[Stage]:
     """Audit the table row by row."""
     if study.motions.sources is None:
         raise InputError(
@@ -32,7 +32,7 @@ def stages(study: RecordsStudy, show: Show) -> Sequence[Stage]:
     def work(folder: Path) -> None:
         from .audit import audit_table2
 
-        with show("Auditing Table 2") as progress:
+        with show_task("Auditing Table 2") as progress:
             rows = audit_table2(records.motions, pd.read_csv(table), progress=progress)
         write_table(rows, folder / ROWS)
 

@@ -10,7 +10,7 @@ from pydantic import Field
 from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 
 from reliab.core.plain_values import read_table, write_table
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.vocabulary import Metric
 from reliab.criterion.provenance import records_checksum
 from reliab.motions.loading import load_motions
@@ -57,18 +57,18 @@ class ValidationStudy(CriterionStudy):
     validation: CasesTable = CasesTable()
 
 
-def stages(study: ValidationStudy, show: Show) -> Sequence[Stage]:
+def stages(study: ValidationStudy) -> Sequence[Stage]:
     """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
     material = Material(study, results=study.motions.results)
     held_out = _held_out(study)
-    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out, show)]
+    cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
     return (
-        *simulation(study, material, show),
-        tracing(study, material, show),
-        derivation(study.errors, study.criterion, show),
-        judgement(study, material, show),
-        _beyond(study, material, show),
-        *_rebuilt(study, material, show),
+        *simulation(study, material),
+        tracing(study, material),
+        derivation(study.errors, study.criterion),
+        judgement(study, material),
+        _beyond(study, material),
+        *_rebuilt(study, material),
         *cases,
     )
 
@@ -120,7 +120,7 @@ def _held_out(study: ValidationStudy) -> str | None:
     return study.validation.held_out if study.motions.sources else None
 
 
-def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
+def _beyond(study: ValidationStudy, material: Material) -> Stage:
     """Try actuators that are not a constant gain and delay."""
     # Without records the rigs are tried under the suite that is built in.
     suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
@@ -134,7 +134,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
             write_table(pd.DataFrame(columns=list(TEST_COLUMNS)), folder / BEYOND)
             return
         criterion = criteria[0]
-        with show("Trying other rigs") as progress:
+        with show_task("Trying other rigs") as progress:
             tests = try_rigs(
                 _spread(suite, _MOTIONS_BEYOND),
                 [structure],
@@ -152,7 +152,7 @@ def _beyond(study: ValidationStudy, material: Material, show: Show) -> Stage:
     return Stage(name="beyond the model", inputs=inputs, reads=(CRITERIA,), writes=(BEYOND,), work=work)
 
 
-def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Stage]:
+def _rebuilt(study: ValidationStudy, material: Material) -> list[Stage]:
     """Judge simulated tests by their rebuilt error too."""
     trials = study.validation.rebuilt_error_trials
     if not trials:
@@ -175,7 +175,7 @@ def _rebuilt(study: ValidationStudy, material: Material, show: Show) -> list[Sta
             metric=Metric(metric),
             confidence=confidence,
         )
-        with show("Rebuilding the errors of tests") as progress:
+        with show_task("Rebuilding the errors of tests") as progress:
             try_tests(design, kept=folder / REBUILT, progress=progress)
 
     inputs = {

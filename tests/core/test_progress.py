@@ -82,6 +82,10 @@ def progress_of_several_tests(progress):
     reliab.assess(["none.csv", "neither.csv", "nor.csv"], progress=progress)  # each is done with, if refused
 
 
+def progress_of_added_tests(progress, tmp_path):
+    reliab.add_to_rig(tmp_path / "rig", ["none.csv", "neither.csv", "nor.csv"], progress=progress)
+
+
 def progress_of_posteriors(progress, monkeypatch):
     """Two of three blocks have effects; what is made of their posteriors is tested beside diagnoses."""
     blocks = [
@@ -90,7 +94,7 @@ def progress_of_posteriors(progress, monkeypatch):
         )
         for name, effects in (("actuator", ("gain",)), ("balance", ()), ("specimen", ("backlash",)))
     ]
-    for name in ("sample_posterior", "_sampled", "updated_model", "_shift", "replace"):
+    for name in ("sample_posterior", "_apply_posterior", "update_model", "_shift", "replace"):
         monkeypatch.setattr(adding, name, lambda *_, **__: None)
     adding.add(SimpleNamespace(blocks=blocks), progress=progress)
 
@@ -142,6 +146,7 @@ CASES = {
         FRAME_UNDER_TEST, MOTIONS, window=Window(), progress=progress
     ),
     "assess": progress_of_several_tests,
+    "add_to_rig": progress_of_added_tests,
     "derive_criterion": progress_of_chains,
     "sample": lambda progress: sample(VALUES, QUICK, progress=progress),
     "probability_calibration": lambda progress, ellipses: probability_calibration(

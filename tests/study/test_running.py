@@ -12,6 +12,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.files import UNFINISHED
+from reliab.core.progress import shows_tasks
 from reliab.criterion.laws.registry import FITTED_LAWS
 from reliab.criterion.provenance import read_versions
 from reliab.report.document import Points, Section
@@ -40,7 +41,8 @@ def complete_run(tmp_path_factory, small_study, progress_calls, blank_figures): 
         yield lambda *call: calls.append(call)
 
     folder = tmp_path_factory.mktemp("finished") / "run"
-    run_study(small_study, folder, show=show)
+    with shows_tasks(show):
+        run_study(small_study, folder)
     return folder
 
 

@@ -26,7 +26,7 @@ from reliab.app.declaration import asks
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
-from reliab.core.progress import Show, quietly
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import CurveName, Metric, Side
@@ -65,7 +65,7 @@ _NINETY_FIVE = 0.95
 
 
 @asks(questions.CriterionQuestion)
-def derive_criteria(*, show: Show = quietly, **request: Unpack[questions.CriterionQuestion]) -> Criteria:
+def derive_criteria(**request: Unpack[questions.CriterionQuestion]) -> Criteria:
     """Derive criteria from ground motions, stored results or ellipses, or take those of a printed law.
 
     :func:`reliab.derive_criterion` derives one from ellipses; this function also traces them, serves several
@@ -78,7 +78,7 @@ def derive_criteria(*, show: Show = quietly, **request: Unpack[questions.Criteri
     >>> [round(row["b"], 2) for row in derived.rows]
     [1.48, 1.2]
     """
-    return _Question({**request}, show).answer()
+    return _Question({**request}).answer()
 
 
 _RECORD_OPTIONS = ("sets", "model", "window", "alpha", "structure", "actuator")
@@ -90,8 +90,8 @@ _METHOD_OPTIONS = ("assurance", "distribution", "steps")
 class _Question:
     """What is asked of a criterion; see :func:`derive_criteria`."""
 
-    def __init__(self, question: dict[str, Any], show: Show) -> None:
-        self.asked, self.show = question, show
+    def __init__(self, question: dict[str, Any]) -> None:
+        self.asked = question
         self.law, self.f, self.xi = question["law"], question["f"], question["xi"]
         self.errors, self.confidences = as_list(question["threshold"]), as_list(question["confidence"])
         self.metric = str(question["metric"] or Metric.RMS)
@@ -150,7 +150,7 @@ class _Question:
             criterion.law.validity.require_error(error, self.metric)
         self._refuse_promises(criterion)
         self._refuse_idle_source()
-        return self._collect([criterion], self.source().dataset(self.show) if self.has_source else None)
+        return self._collect([criterion], self.source().dataset() if self.has_source else None)
 
     def _refuse_promises(self, published: Criterion) -> None:
         """Refuse what a printed law does not promise."""
@@ -212,7 +212,7 @@ class _Question:
         self._require_one_criterion(len(shares) * len(errors) * len(confidences))
         derivations = []
         for share, error in itertools.product(shares, errors):
-            with self.show(f"Learning at {error:g}") as progress:
+            with show_task(f"Learning at {error:g}") as progress:
                 derivation = Derivation.from_ellipses(
                     select_share(dataset, share),
                     method=method,
@@ -233,7 +233,7 @@ class _Question:
     def _population(self, method: Method) -> xr.Dataset:
         """Ellipses behind the criteria."""
         source = self.source()
-        population = drop_copies(select_rows_with_room(source.dataset(self.show)))
+        population = drop_copies(select_rows_with_room(source.dataset()))
         if self.earthquake:
             _require_whole_records(population)
             population = self._carry_ellipses(population.sel(metric=[source.metric]), source)
@@ -253,7 +253,7 @@ class _Question:
             for name, values in (("f", self.f), ("xi", self.xi))
         )
         if self.asked["motion"] is not None:
-            with self.show("Measuring responses") as progress:
+            with show_task("Measuring responses") as progress:
                 record = load_motions(self.asked["motion"])[:1]
                 response = measure_responses(record, f, xi, progress=progress)
             return carry_to_response(population, self._measures(population, source), response)
@@ -261,7 +261,7 @@ class _Question:
         suite = EllipseSource(
             motions=self.asked["suite"], f=f, xi=xi, threshold=thresholds, metric=source.metric
         )
-        return carry_to_suite(population, suite.dataset(self.show))
+        return carry_to_suite(population, suite.dataset())
 
     def _measures(self, population: xr.Dataset, source: EllipseSource) -> xr.Dataset:
         """Measure the responses of the population's own motions, or look them up."""
@@ -270,7 +270,7 @@ class _Question:
             suite = load_motions(*paths(source.motions), sets=source.sets)
             motions = [motion for motion in suite if motion.name in names]
             f, xi = (population[name].values.tolist() for name in ("f", "xi"))
-            with self.show("Measuring responses of the population") as progress:
+            with show_task("Measuring responses of the population") as progress:
                 return measure_responses(motions, f, xi, progress=progress)
         if POPULATION not in {str(source.ellipses), str(source.results)}:
             raise InputError(
@@ -293,7 +293,7 @@ class _Question:
             threshold=source.threshold,
             metric=source.metric,
         )
-        ellipses = record.dataset(self.show).isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
+        ellipses = record.dataset().isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
         rows = ellipses[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
         return {
             "own_boundary": [
@@ -341,10 +341,10 @@ class _Question:
             rule = "Cannot write the criterion's file"
             with refuse_unwritable(rule, where=out), written_whole(out) as file:
                 file.write_text(result.criteria[0].to_json(), encoding="utf-8")
-        if self.figures is not None and (names := draw_criteria(self.figures, result, self.show)):
+        if self.figures is not None and (names := draw_criteria(self.figures, result)):
             additions["figures"] = names
         if self.asked["compare"]:
-            additions["comparison"] = compare_candidates(result, self.show)
+            additions["comparison"] = compare_candidates(result)
         additions |= {
             **_frame(result.ellipses),
             **self._limits_of_actuators(),
@@ -365,7 +365,7 @@ class _Question:
         window = Window.parse(self.asked["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
         if frame.has_several and self.asked["actuator"] is None:
-            with self.show("Coupling the actuators") as progress:
+            with show_task("Coupling the actuators") as progress:
                 limits = limits_of_coupling(
                     frame,
                     suite,
@@ -378,7 +378,7 @@ class _Question:
                 limits, threshold, (self.confidences or [_NINETY_FIVE])[0]
             )
         if frame.transfer_system is not None:
-            with self.show("Testing the rig") as progress:
+            with show_task("Testing the rig") as progress:
                 errors = errors_of_rig(frame, suite, window=window, progress=progress)
             limits_by_key["rig"] = summary_of_rig(errors, self.metric, threshold)
         return limits_by_key

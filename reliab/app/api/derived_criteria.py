@@ -13,7 +13,7 @@ from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.plain_values import Keys, ResultWithRows
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.criterion.criterion import Criterion
@@ -138,7 +138,7 @@ def _describe_kept_share(criterion: Criterion, summary: Mapping[str, Any]) -> di
     return {"kept_by": share, "warnings": [sentence, *summary["warnings"]]}
 
 
-def compare_candidates(result: Criteria, show: Show) -> dict[str, Any]:
+def compare_candidates(result: Criteria) -> dict[str, Any]:
     """Compare distributions of a and b at structures, and laws over all structures of the ellipses.
 
     Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
@@ -163,7 +163,7 @@ def compare_candidates(result: Criteria, show: Show) -> dict[str, Any]:
         )
     jobs = [(f, xi, threshold) for f, xi in result.structures_with_ellipses for threshold in thresholds]
     distributions: list[dict[str, Any]] = []
-    with show("Comparing distributions") as progress:
+    with show_task("Comparing distributions") as progress:
         for count, (f, xi, threshold) in enumerate(jobs, start=1):
             distributions += _distributions(dataset, f, xi, threshold, metric, curve)
             progress(count, len(jobs))
@@ -214,7 +214,7 @@ def _laws(
     ]
 
 
-def draw_criteria(folder: Path, result: Criteria, show: Show) -> list[str]:
+def draw_criteria(folder: Path, result: Criteria) -> list[str]:
     """Draw every structure and posterior into a folder, as SVG; keep posteriors for ArviZ."""
     from reliab.report.style import FigureWarning
 
@@ -233,7 +233,7 @@ def draw_criteria(folder: Path, result: Criteria, show: Show) -> list[str]:
     errors = list(dict.fromkeys((criterion.threshold, str(criterion.metric)) for criterion in criteria))
     jobs = [(*structure, *error) for structure in structures for error in errors]
     names = []
-    with show("Drawing") as progress:
+    with show_task("Drawing") as progress:
         for count, (f, xi, threshold, metric) in enumerate(jobs, start=1):
             candidates = [
                 criterion

@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from reliab.core.files import refuse_unwritable, write_json_file
-from reliab.core.progress import Show, quietly
+from reliab.core.progress import show_task
 from reliab.discrepancy.adding.adding import Addition, add
 from reliab.discrepancy.campaign.reading import campaign_folder, read_campaign
 from reliab.discrepancy.diagnose import diagnose
@@ -23,7 +23,6 @@ def diagnose_campaign(
     campaign: str | Path,
     *,
     out: str | Path | None = None,
-    show: Show = quietly,
     tell: Callable[[Diagnosis], None] = lambda _diagnosis: None,
 ) -> Addition:
     """Find where simulation and measurement disagree, name what is missing, and add it to the model.
@@ -36,10 +35,10 @@ def diagnose_campaign(
     if out is not None:
         with refuse_unwritable("Cannot write to the folder for the diagnosis", where=out):
             Path(out).mkdir(parents=True, exist_ok=True)
-    with show("Searching the blocks") as progress:
+    with show_task("Searching the blocks") as progress:
         diagnosis = diagnose(tests, progress=progress)
     tell(diagnosis)
-    with show("Sampling posteriors") as progress:
+    with show_task("Sampling posteriors") as progress:
         addition = add(diagnosis, out=None if out is None else Path(out), progress=progress)
     if out is not None:
         write_json_file(addition.to_dict(), Path(out) / _RESULT)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from reliab.app.api.sources import EllipseSource, as_list, paths
 from reliab.core.errors import InputError
-from reliab.core.progress import Show
 from reliab.core.significant_digits import percent, significant
 from reliab.criterion.ellipse_table import drop_copies, interpolate_threshold
 from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
@@ -51,12 +50,12 @@ def require_one_share(alpha: Numbers | None) -> None:
         )
 
 
-def open_judged_ellipses(source: EllipseSource, show: Show) -> xr.Dataset:
+def open_judged_ellipses(source: EllipseSource) -> xr.Dataset:
     """Trace or look up the ellipses of the motions, each record once.
 
     They must be at the structures that are asked for.
     """
-    dataset = select_share(source.dataset(show))
+    dataset = select_share(source.dataset())
     for name in ("f", "xi"):
         values = dataset[name].values.tolist()
         for value in as_list(getattr(source, name)) or []:

@@ -178,7 +178,7 @@ def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
     *,
-    show: Progress = silent,
+    progress: Progress = silent,
     **request: Unpack[questions.AddedTestQuestion],
 ) -> AddedTests:
     """Judge tests and keep them in the folder of their rig.
@@ -186,11 +186,6 @@ def add_to_rig(
     The order of the tests, and what changed with time, follow from their dates. Tests of one earthquake are
     not independent, so state it if you know it. A test is predicted by its covariates, too. The folder is
     made if there is none; a file that is in the rig already stays as it is.
-
-    Parameters
-    ----------
-    show : callable, optional
-        Called after each file.
 
     Raises
     ------
@@ -221,7 +216,7 @@ def add_to_rig(
             if len(files) == 1:
                 raise
             faults[str(file)] = str(error)
-        show(count, len(files))
+        progress(count, len(files))
     return AddedTests(
         rig=keeper.folder.path,
         added=tuple(row for _, row in kept if row is not None),

@@ -11,7 +11,7 @@ from reliab.app import questions
 from reliab.app.api.sources import as_list, paths
 from reliab.app.declaration import asks
 from reliab.core.plain_values import Keys, PlainResult, same_names
-from reliab.core.progress import Progress, Show, quietly, silent
+from reliab.core.progress import Progress, show_task, silent
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
 from reliab.sweep.plain import Motions, suite_of, sweep_request
@@ -105,11 +105,9 @@ class Simulation(PlainResult):
 
 
 @asks(questions.SimulationQuestion, questions.NewStore)
-def simulate_suite(
-    *, out: str | Path, show: Show = quietly, **request: Unpack[questions.SimulationQuestion]
-) -> Simulation:
+def simulate_suite(*, out: str | Path, **request: Unpack[questions.SimulationQuestion]) -> Simulation:
     """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
     suite = load_motions(*paths(request["motions"] or "synthetic"), sets=as_list(request["sets"]))
-    with show("Simulating") as progress:
+    with show_task("Simulating") as progress:
         simulated_request, store = _run(suite, out, {**request}, progress)
     return Simulation(store=store, motions=len(suite), request=simulated_request)

@@ -13,7 +13,7 @@ from reliab.app import questions
 from reliab.app.api.arguments import parse_threshold
 from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
-from reliab.core.progress import Progress, Show, quietly, silent
+from reliab.core.progress import Progress, show_task, silent
 from reliab.core.shipped import or_shipped
 from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 from reliab.criterion.ellipse_reading import read_ellipses
@@ -206,19 +206,19 @@ class EllipseSource:
     def _thresholds(self) -> tuple[float, ...]:
         return as_names(FIVE_PERCENT if self.threshold is None else self.threshold)
 
-    def dataset(self, show: Show = quietly) -> xr.Dataset:
+    def dataset(self) -> xr.Dataset:
         """Trace the ellipses, or look them up."""
         if self.ellipses is not None:
             path = Path(self.ellipses)
             return _select_shares(self._read(path), self.alpha, path)
         if self.results is not None:
             path = Path(self.results)
-            return _select_shares(self._read_traced(path, show), self.alpha, path)
+            return _select_shares(self._read_traced(path), self.alpha, path)
         if self.structure is not None:
-            return self._trace_frame(self.structure, show)
+            return self._trace_frame(self.structure)
 
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
-        with show("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
+        with show_task("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
             question = questions.select_stated(questions.EllipsesQuestion, vars(self))
             return ellipses(suite, metric=[self.metric], progress=progress, **question)
 
@@ -238,18 +238,18 @@ class EllipseSource:
             _require_column(dataset, name, getattr(self, name), path)
         return select_structures(dataset, self.f, self.xi)
 
-    def _read_traced(self, path: Path, show: Show) -> xr.Dataset:
+    def _read_traced(self, path: Path) -> xr.Dataset:
         """Trace the boundaries in stored results."""
         stored_results = open_results(
             find_results(path, as_list(self.f), as_list(self.xi)), window=self.window or _RECORD
         )
-        with show("Tracing boundaries") as progress:
+        with show_task("Tracing boundaries") as progress:
             ellipses: xr.Dataset = select_structures(stored_results, self.f, self.xi).reliab.ellipses(
                 self._thresholds, (Metric(self.metric),), progress=progress
             )
         return ellipses
 
-    def _trace_frame(self, path: str | Path, show: Show) -> xr.Dataset:
+    def _trace_frame(self, path: str | Path) -> xr.Dataset:
         """Trace the boundaries of a frame under records."""
         from reliab.simulation.frames.frame_file import read_structure
         from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
@@ -271,7 +271,7 @@ class EllipseSource:
             window=Window.parse(self.window or _RECORD),
         )
         suite = load_motions(*paths(self.motions or ()), sets=self.sets)
-        with show("Tracing boundaries") as progress:
+        with show_task("Tracing boundaries") as progress:
             return trace_frame_ellipses(suite, request, progress=progress)
 
 

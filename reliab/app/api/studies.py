@@ -10,7 +10,6 @@ from reliab.app.api.sources import as_list
 from reliab.app.declaration import asks
 from reliab.core.columns import Columns
 from reliab.core.plain_values import PlainResult, ResultWithRows
-from reliab.core.progress import Show, quietly
 from reliab.report.setting import ReportSetting
 from reliab.study import running
 from reliab.study.running import ANSWER, list_shipped, open_study, write_report
@@ -43,7 +42,6 @@ def run_study(
     *,
     out: str | Path | None = None,
     setting: ReportSetting | None = None,
-    show: Show = quietly,
     tell: Callable[[str, bool], None] = lambda _name, _is_new: None,
     **request: Unpack[options.MotionSource],
 ) -> PerformedStudy:
@@ -71,7 +69,7 @@ def run_study(
         stages[stage] = is_new
         tell(stage, is_new)
 
-    report = running.run_study(description, folder, show=show, tell=count, setting=setting)
+    report = running.run_study(description, folder, tell=count, setting=setting)
     answer_file = folder / ANSWER
     answer = answer_file.read_text(encoding="utf-8") if answer_file.exists() else ""
     return PerformedStudy(title=description.title, folder=folder, report=report, stages=stages, answer=answer)

@@ -13,7 +13,6 @@ from reliab.app.api.sources import EllipseSource
 from reliab.app.declaration import asks
 from reliab.core.columns import PLACE_COLUMNS, Columns
 from reliab.core.plain_values import Keys, ResultWithRows
-from reliab.core.progress import Show, quietly
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.shares import share_of
@@ -99,14 +98,14 @@ class Boundaries(ResultWithRows):
 
 
 @asks(questions.TracingQuestion)
-def trace_boundaries(*, show: Show = quietly, **request: Unpack[questions.TracingQuestion]) -> Boundaries:
+def trace_boundaries(**request: Unpack[questions.TracingQuestion]) -> Boundaries:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses.
 
     >>> traced = trace_boundaries(results="real_suite", f=1, xi=0.02)
     >>> len(traced), round(next(traced.rows())["b"], 2)
     (100, 1.35)
     """
-    ellipses = EllipseSource.from_question(request).dataset(show)
+    ellipses = EllipseSource.from_question(request).dataset()
     if request["out"] is not None:
         write_ellipses(ellipses, Path(request["out"]))
     return Boundaries(ellipses=ellipses)

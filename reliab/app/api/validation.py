@@ -26,7 +26,7 @@ from reliab.app.declaration import asks
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.plain_values import ResultWithRows
-from reliab.core.progress import Show, quietly
+from reliab.core.progress import show_task
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
@@ -107,7 +107,7 @@ class Validation(ResultWithRows):
 
 
 @asks(questions.ValidationQuestion)
-def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.ValidationQuestion]) -> Validation:
+def validate_criteria(**request: Unpack[questions.ValidationQuestion]) -> Validation:
     """Test criteria on earthquakes from which they were not learned.
 
     Raises
@@ -123,9 +123,9 @@ def validate_criteria(*, show: Show = quietly, **request: Unpack[questions.Valid
         )
     confidences = list(dict.fromkeys(as_list(request["confidence"]) or _CONFIDENCES))
     candidates = _make_candidates(request, confidences)
-    source, dataset, test = _open_test(request, show)
+    source, dataset, test = _open_test(request)
     division = divide(dataset, source, {**request})
-    with show("Cross-validating") as progress:
+    with show_task("Cross-validating") as progress:
         counts = cross_validate(
             dataset,
             division.folds,
@@ -145,14 +145,12 @@ def _error_of(request: questions.ProbabilityQuestion) -> tuple[float, str]:
     return FIVE_PERCENT if threshold is None else threshold, str(metric or Metric.RMS)
 
 
-def _open_test(
-    request: questions.ProbabilityQuestion, show: Show
-) -> tuple[EllipseSource, xr.Dataset, dict[str, Any]]:
+def _open_test(request: questions.ProbabilityQuestion) -> tuple[EllipseSource, xr.Dataset, dict[str, Any]]:
     """Open the motions on which criteria are judged: their source, ellipses, and how errors are judged."""
     require_one_share(request["alpha"])
     threshold, metric = _error_of(request)
     source = EllipseSource.from_question(request, threshold=[threshold])
-    dataset = open_judged_ellipses(source, show)
+    dataset = open_judged_ellipses(source)
     return (
         source,
         dataset,
@@ -291,9 +289,7 @@ class ProbabilityCalibration(ResultWithRows):
 
 
 @asks(questions.ProbabilityQuestion)
-def calibrate_probabilities(
-    *, show: Show = quietly, **request: Unpack[questions.ProbabilityQuestion]
-) -> ProbabilityCalibration:
+def calibrate_probabilities(**request: Unpack[questions.ProbabilityQuestion]) -> ProbabilityCalibration:
     """Compare the probabilities that are stated for tests with how many of the tests are good.
 
     Raises
@@ -302,7 +298,7 @@ def calibrate_probabilities(
         If the source cannot serve what is asked for.
     """
     scheme = request["scheme"] or DEFAULT_SCHEME
-    _, dataset, test = _open_test(request, show)
-    with show("Comparing probabilities") as progress:
+    _, dataset, test = _open_test(request)
+    with show_task("Comparing probabilities") as progress:
         bins = probability_calibration(dataset, scheme=scheme, progress=progress, **test)
     return ProbabilityCalibration(scheme=scheme, truth=test["truth"].name, bins=bins)

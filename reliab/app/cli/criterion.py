@@ -7,7 +7,6 @@ from typing import Any, Final
 from reliab.app import options, questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import (
-    progress_bar,
     say,
     say_population,
     show_rows,
@@ -34,7 +33,6 @@ def criterion(request: Request) -> None:
         derive_criteria,
         lambda criteria: show_criteria(criteria.to_dict(), details=request.details),
         "details",
-        show=progress_bar,
     )
     result.require_converged(request.chains)
 

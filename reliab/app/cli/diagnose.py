@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from reliab.app import completion, options
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import console, progress_bar, say, say_briefly, write_json
+from reliab.app.cli.output import console, say, say_briefly, write_json
 from reliab.app.declaration import argument, group
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ def diagnose(request: Request) -> None:
         diagnose_campaign,
         "details",
         *(options.Cover.__annotations__ if request.out is not None else ()),
-        show=progress_bar,
     )
     if not write_json(addition.to_dict(), request.json_target):
         _show(addition.diagnosis, details=request.details, written=request.out is not None)

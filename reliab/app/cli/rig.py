@@ -24,7 +24,7 @@ def add(request: Request) -> None:
     from reliab.app.api.rigs import add_to_rig
 
     with progress_bar("tests") as progress:
-        outcome = request.ask(add_to_rig, show=progress)
+        outcome = request.ask(add_to_rig, progress=progress)
     content = outcome.to_dict()
     content["faults"] = {file: request.write_as_options(fault) for file, fault in content["faults"].items()}
     if not write_json(content, request.json_target):

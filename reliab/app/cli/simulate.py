@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import progress_bar, say, show_rows
+from reliab.app.cli.output import say, show_rows
 from reliab.core.significant_digits import counted
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
@@ -26,7 +26,7 @@ def simulate(request: Request) -> None:
         structures = counted(len(simulation.request.structures), "structure")
         say(f"{counted(simulation.motions, 'motion')} × {structures} stored in {simulation.store}")
 
-    request.answer(simulate_suite, show, show=progress_bar)
+    request.answer(simulate_suite, show)
 
 
 _PAGE = 1000  # rows
@@ -38,7 +38,7 @@ def ellipses(request: Request) -> None:
     from reliab.app.api.tracing import trace_boundaries
 
     metric = request.metric or Metric.RMS
-    request.answer(trace_boundaries, lambda ellipses: _show(ellipses, metric), show=progress_bar)
+    request.answer(trace_boundaries, lambda ellipses: _show(ellipses, metric))
 
 
 def _show(ellipses: "Boundaries", metric: str) -> None:

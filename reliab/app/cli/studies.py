@@ -2,7 +2,7 @@
 
 from reliab.app import options, questions
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import progress_bar, say, show_rows
+from reliab.app.cli.output import say, show_rows
 
 _COVER = tuple(options.Cover.__annotations__)
 
@@ -28,7 +28,7 @@ def run(request: Request) -> None:
     def show(result: PerformedStudy) -> None:
         say(*filter(None, (result.answer, f"Report: {result.report}")))
 
-    request.answer(run_study, show, *_COVER, setting=request.setting(), show=progress_bar, tell=tell)
+    request.answer(run_study, show, *_COVER, setting=request.setting(), tell=tell)
 
 
 @takes(options.Cover, questions.RunArgument)

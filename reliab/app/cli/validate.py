@@ -4,7 +4,7 @@ from typing import Annotated, Any, TypedDict
 
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import progress_bar, say, show_rows
+from reliab.app.cli.output import say, show_rows
 from reliab.app.declaration import group
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
@@ -29,10 +29,9 @@ def validate(request: Request) -> None:
             lambda result: show_probabilities(result.to_dict()),
             "calibration",
             reason="together with `calibration`",
-            show=progress_bar,
         )
     else:
-        request.answer(validate_criteria, lambda result: show_criteria(result.to_dict()), show=progress_bar)
+        request.answer(validate_criteria, lambda result: show_criteria(result.to_dict()))
 
 
 _ELLIPSE_NOTE = (

@@ -9,7 +9,6 @@ import numpy as np
 
 from reliab.core.errors import InputError
 from reliab.core.files import written_whole
-from reliab.core.progress import Show
 from reliab.core.shipped import shipped
 from reliab.criterion.criterion import Criterion
 from reliab.report.document import Document
@@ -39,14 +38,14 @@ from reliab.validation.earthquakes import earthquakes_among
 REAL_MOTIONS: Final = "real_motions.json"
 
 
-def stages(study: CriterionStudy, show: Show) -> Sequence[Stage]:
+def stages(study: CriterionStudy) -> Sequence[Stage]:
     """Simulate, trace, derive and validate; then judge on the real motions that ship."""
     material = Material(study, results=study.motions.results)
     return (
-        *simulation(study, material, show),
-        tracing(study, material, show),
-        derivation(study.errors, study.criterion, show),
-        judgement(study, material, show),
+        *simulation(study, material),
+        tracing(study, material),
+        derivation(study.errors, study.criterion),
+        judgement(study, material),
         *real_motion_stages(study, material),
     )
 

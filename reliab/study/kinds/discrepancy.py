@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from reliab.core.files import written_whole
-from reliab.core.progress import Show
+from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.report.content import read_content, save_content
 from reliab.report.document import Document
@@ -34,18 +34,18 @@ class DiscrepancyStudy(Study):
     campaign: CampaignTable
 
 
-def stages(study: DiscrepancyStudy, show: Show) -> Sequence[Stage]:
+def stages(study: DiscrepancyStudy) -> Sequence[Stage]:
     """Diagnose the campaign, write the result, then draw what the report shows of it."""
     campaign = _folder(study)
 
     def work(folder: Path) -> None:
-        with show("Diagnosing"):
+        with show_task("Diagnosing"):
             content = _diagnose(campaign, digest(campaign)).to_dict()
         with written_whole(folder / DIAGNOSIS) as file:
             file.write_text(json.dumps(content, indent=2, ensure_ascii=False), encoding="utf-8")
 
     def draw(folder: Path) -> None:
-        with show("Drawing"):
+        with show_task("Drawing"):
             save_content(_document(study, campaign, folder), folder / CONTENT)
 
     inputs = {"campaign": digest(campaign)}

@@ -8,7 +8,6 @@ from reliab_studies.ductility.specimens import SPECIMENS
 from reliab_studies.ductility.tolerances import DIRECTIONS, compare_levels, compare_limits
 
 from reliab.core.errors import InputError
-from reliab.core.progress import quietly
 from reliab.report.document import Table
 
 
@@ -55,7 +54,7 @@ def tables_of(document):
 
 def test_a_report_of_stored_results_tells_their_content(results_folder, tmp_path):
     study = study_of(motions={"results": str(results_folder)})
-    (stage,) = KIND.stages(study, quietly)
+    (stage,) = KIND.stages(study)
     folder = tmp_path / "run"
     folder.mkdir()
     stage.work(folder)
@@ -80,12 +79,12 @@ def test_a_report_of_stored_results_tells_their_content(results_folder, tmp_path
 )
 def test_stored_results_of_others_are_refused(results_folder, tables):
     with pytest.raises(InputError, match="answer for the structures and the error of their own run"):
-        KIND.stages(study_of(motions={"results": str(results_folder)}, **tables), quietly)
+        KIND.stages(study_of(motions={"results": str(results_folder)}, **tables))
 
 
 def test_a_folder_without_results_is_refused(tmp_path):
     with pytest.raises(InputError, match="no levels"):
-        KIND.stages(study_of(motions={"results": str(tmp_path)}), quietly)
+        KIND.stages(study_of(motions={"results": str(tmp_path)}))
 
 
 @pytest.mark.slow
@@ -95,7 +94,7 @@ def test_a_study_of_few_motions_simulates_and_states_no_limit(tmp_path):
     record = pd.DataFrame({"time_s": times, "acceleration_m/s2": shaking})
     record.to_csv(tmp_path / "record.csv", index=False)
     study = study_of(motions={"sources": [str(tmp_path / "record.csv")]})
-    (stage,) = KIND.stages(study, quietly)
+    (stage,) = KIND.stages(study)
     stage.work(tmp_path)
     tests = pd.read_csv(tmp_path / TESTS)
     assert len(tests) == len(SPECIMENS)

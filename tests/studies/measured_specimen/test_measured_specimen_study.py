@@ -9,7 +9,6 @@ from reliab_studies.measured_specimen.simulated_tests import Actuator, Loop
 from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STATES, resist
 
 from reliab.core.errors import InputError
-from reliab.core.progress import quietly
 
 _STEP = 1.0 / 512.0
 _TIMES = np.arange(0.0, 8.0, _STEP)
@@ -136,7 +135,7 @@ def test_the_report_says_the_rates(tmp_path, text_of):
 def test_unknown_settings_of_the_study_are_refused(tables, says):
     content = {"title": "Measured", "kind": "measured_specimen", **tables}
     with pytest.raises((InputError, ValueError), match=says):
-        KIND.stages(KIND.tables.model_validate(content), quietly)
+        KIND.stages(KIND.tables.model_validate(content))
 
 
 @pytest.mark.slow
@@ -147,7 +146,7 @@ def test_the_study_judges_tests(tmp_path):
         "specimens": {"families": ["linear", "Ramberg-Osgood"], "tests": 1},
     }
     study = KIND.tables.model_validate(content)
-    (stage,) = KIND.stages(study, quietly)
+    (stage,) = KIND.stages(study)
     stage.work(tmp_path)
     tests = pd.read_csv(tmp_path / TESTS)
     assert (tests["value"] / tests["true"]).iloc[0] == pytest.approx(1.0, abs=0.05)
