@@ -4,7 +4,6 @@ import inspect
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import replace
 from datetime import date
 from functools import partial, wraps
 from glob import glob
@@ -186,15 +185,13 @@ def _parse_date(text: str) -> date:
 
 
 def takes(
-    *questions: type, needs: Mapping[str, str] | None = None, advanced: Collection[str] = ()
+    *questions: type, needs: Mapping[str, str] | None = None
 ) -> Callable[[Callable[[Request], None]], Callable[..., None]]:
     """Make a command of a function; its options are the arguments of the questions, and --json.
 
-    `needs`: by option the one without which it has no effect; `further`: those that few need here.
+    `needs`: by option the one without which it has no effect.
     """
     declarations = {**collect_options(*questions), **collect_options(Json)}
-    for name in advanced:
-        declarations[name] = declarations[name][0], replace(declarations[name][1], is_advanced=True)
     options = {name: option for name, (_, option) in declarations.items()}
 
     def declare(command: Callable[[Request], None]) -> Callable[..., None]:
