@@ -133,7 +133,7 @@ def write_explorer(**request: Unpack[questions.ExplorerQuestion]) -> ExplorerPag
     out, ellipses = Path(request["out"]), Path(request["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))
     lengths = sort_by_length(windows)
-    values = exact_quantities({**request})
+    values = exact_quantities(request)
     settings = Settings(
         frequency=values.get("f"),
         damping_ratio=values.get("xi"),

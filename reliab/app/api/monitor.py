@@ -265,7 +265,7 @@ def _monitor(request: questions.LoopMonitorQuestion) -> LoopMonitor:
     values = {
         "scale": StatedValue(1.0),
         "feedback_lag": StatedValue(0.0),
-        **stated_quantities({**request}),
+        **stated_quantities(request),
     }
     require_sound(values)
     lag = values["feedback_lag"].value

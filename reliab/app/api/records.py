@@ -109,10 +109,10 @@ def record(
     if out is not None:
         require_ending(out, ".nc")
     path = or_shipped(Path(source), "datasets", "test.csv")
-    structure = stated_quantities({**options})
+    structure = stated_quantities(options)
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has
-    statements = {**structure, **questions.select_stated(questions.OriginOptions, {**options})}
+    statements = {**structure, **questions.select_stated(questions.OriginOptions, options)}
     texts = {name: str(value) for name, value in statements.items()}
     about = About(**texts, further=dict(attributes or {}))
     dataset, histories = FileReading.from_question(options).record(path, about)
@@ -179,7 +179,7 @@ def calibrate(
     """
     reading, out = FileReading.from_question(options), options["out"]
     recording = reading.read(test)
-    delay = stated_quantities({**options}).get("actuator_delay")
+    delay = stated_quantities(options).get("actuator_delay")
     calibration = calibrate_channels(recording, actuator_delay_ms=delay)
     if out is not None:
         previous_file = None if reading.channels is None else Path(reading.channels)

@@ -392,7 +392,7 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]
         prediction = _predict_for_structure(table, following, limit, request)
     else:
         reason = "together with the `structure` of a frame"
-        refuse_stated({**request}, *STRUCTURE, "motion", "suite", reason=reason)
+        refuse_stated(request, *STRUCTURE, "motion", "suite", reason=reason)
         frame = read_structure(request["structure"])
         prediction = predict_next(table, None, following, threshold=limit, frame=frame.name)
     return RigPrediction(rig=Path(rig), prediction=prediction)
@@ -401,7 +401,7 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]
 def _predict_for_structure(
     table: RigTable, following: NextTest, limit: float, request: questions.PredictionQuestion
 ) -> Prediction:
-    values = stated_quantities({**request})
+    values = stated_quantities(request)
     if "f" not in values:
         raise InputError(
             "The natural frequency of the structure is missing",
@@ -477,7 +477,7 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuesti
     if request["f"] is None and last["structure"]:
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
-        values = stated_quantities({**request})
+        values = stated_quantities(request)
         last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
         structure = structure_of(values, **{**_USUAL, **last_values})
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
