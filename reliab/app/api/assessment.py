@@ -21,7 +21,7 @@ from reliab.app.api.arguments import (
     structure_of,
     values_of_structure,
 )
-from reliab.app.api.channels import FileReading, Judge, Test, assess_each, is_test, name_of_test
+from reliab.app.api.channels import FileReading, Judge, Test, assess_each, find_test, is_test, name_of_test
 from reliab.app.declaration import asks
 from reliab.assessment.assess import AnyAssessment, assess as assess_recording
 from reliab.assessment.assessment import Assessment
@@ -30,7 +30,7 @@ from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import write_table
 from reliab.core.progress import Progress, silent
-from reliab.core.shipped import checksum_of, or_shipped
+from reliab.core.shipped import checksum_of
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.structures.structure import Structure
@@ -349,7 +349,7 @@ def document_of_test(
     from reliab.report.kinds.assessment.frame import frame_assessment_report
     from reliab.report.kinds.assessment.report import assessment_report
 
-    files = {"file": or_shipped(Path(test), "datasets", "test.csv")}
+    files = {"file": find_test(test)}
     if structure is not None:
         files["structure"] = Path(structure)
     checksums: dict[str, object] = {}

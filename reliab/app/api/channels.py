@@ -33,6 +33,11 @@ Test: TypeAlias = "str | Path | pd.DataFrame | Recording | CoupledRecording"
 """A test, its file, its data frame, or the name of one that ships."""
 
 
+def find_test(test: str | Path) -> Path:
+    """Find the file of a test: the one that ships by its name, else the one of the path."""
+    return or_shipped(Path(test), "datasets", "test.csv")
+
+
 def is_test(value: object) -> "TypeIs[Test]":
     """Tell one test from several."""
     return isinstance(value, str | Path | Recording | CoupledRecording) or is_frame(value)
@@ -64,7 +69,7 @@ class FileReading:
 
     def split_by_test(self, test: str | Path) -> "dict[str, FileReading]":
         """Return what is stated of each test of a file, by file and name."""
-        path = or_shipped(Path(test), "datasets", "test.csv")
+        path = find_test(test)
         names = [columns.test for columns in read_tests(path, delimiter=self.delimiter)]
         return {
             f"{path.name}, {name}" if name else path.name: replace(self, test_name=name or None)
@@ -128,7 +133,7 @@ class FileReading:
         self._require_sound(test)
         arguments = {**vars(self)}
         return read_recording(
-            test if is_frame(test) else or_shipped(Path(test), "datasets", "test.csv"),
+            test if is_frame(test) else find_test(test),
             rate_hz=arguments.pop("rate"),
             test=arguments.pop("test_name"),
             **arguments,

@@ -17,7 +17,6 @@ from reliab.app.api.sources import (
     TWO_PERCENT,
     EllipseSource,
     as_list,
-    paths,
     require_thresholds,
     select_rows_with_room,
     select_structures,
@@ -267,7 +266,7 @@ class _Question:
         """Measure the responses of the population's own motions, or look them up."""
         if source.motions is not None:
             names = set(population["motion"].values.tolist())
-            suite = load_motions(*paths(source.motions), sets=source.sets)
+            suite = source.suite()
             motions = [motion for motion in suite if motion.name in names]
             f, xi = (population[name].values.tolist() for name in ("f", "xi"))
             with show_task("Measuring responses of the population") as progress:
@@ -361,7 +360,7 @@ class _Question:
         from reliab.sweep.frame_table import errors_of_rig, limits_of_coupling, summary_of_rig
 
         frame, source, limits_by_key = read_structure(structure), self.source(), {}
-        suite = load_motions(*paths(source.motions or ()), sets=source.sets)
+        suite = source.suite()
         window = Window.parse(self.asked["window"] or "record")
         threshold = (self.errors or [FIVE_PERCENT])[0]
         if frame.has_several and self.asked["actuator"] is None:

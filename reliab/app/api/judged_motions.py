@@ -11,12 +11,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from reliab.app.api.sources import EllipseSource, as_list, paths
+from reliab.app.api.sources import EllipseSource, as_list
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.criterion.ellipse_table import drop_copies, interpolate_threshold
 from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
-from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
 from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.several import Numbers
@@ -74,7 +73,7 @@ def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
     """Choose where true errors come from: the loop, stored results, or else ellipses."""
     names = dataset["motion"].values.tolist()
     if source.motions is not None:
-        suite = load_motions(*paths(source.motions), sets=source.sets)
+        suite = source.suite()
         return SimulatedTruth(
             motions=[suite[place] for place in _places(names, suite)],
             window=Window.parse(str(dataset.attrs["window"])),
@@ -172,7 +171,7 @@ def _divide_by_sets(
             "Judging sets by others needs `motions`, `learn` and `judge`",
             remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
         )
-    suite = load_motions(*paths(source.motions), sets=source.sets)
+    suite = source.suite()
     sets = np.array(suite.set_names, dtype=np.str_)[_places(dataset["motion"].values.tolist(), suite)]
     folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
     name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"

@@ -19,7 +19,7 @@ from reliab.app.api.arguments import (
     values_of_structure,
 )
 from reliab.app.api.assessment import assess
-from reliab.app.api.channels import FileReading
+from reliab.app.api.channels import FileReading, find_test
 from reliab.app.api.followed_test import FollowedTest, Message, WholeText
 from reliab.app.declaration import asks
 from reliab.assessment.frame_test import require_linear_interface
@@ -29,7 +29,6 @@ from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import PlainResult
-from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.in_loop.fmu import pack_fmu
@@ -89,7 +88,7 @@ def follow_test(
     """
     question: dict[str, Any] = {**request}
     _require_clock(request["rate"], **{name: question[name] for name in ("every", "wait", "start_within")})
-    path = str(source) if str(source) == "-" else str(or_shipped(Path(source), "datasets", "test.csv"))
+    path = str(source) if str(source) == "-" else str(find_test(source))
     laboratory = FileReading.from_question(request).laboratory()
     model, frame = read_followed_model(question), read_followed_frame(question)
     channel = _parse_force_channel(question)

@@ -10,12 +10,11 @@ import pandas as pd
 
 from reliab.app import questions
 from reliab.app.api.arguments import require_sound, stated_quantities, structure_of
-from reliab.app.api.channels import FileReading
+from reliab.app.api.channels import FileReading, find_test
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import Keys, PlainResult, same_names
-from reliab.core.shipped import or_shipped
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import ChannelHistories
 from reliab.recordings.record import About, check_record, write_csv, write_record
@@ -108,7 +107,7 @@ def record(
     csv = options["csv"]
     if out is not None:
         require_ending(out, ".nc")
-    path = or_shipped(Path(source), "datasets", "test.csv")
+    path = find_test(source)
     structure = stated_quantities(options)
     require_sound(structure)
     structure_of(structure, **_USUAL)  # refuses values that no structure has

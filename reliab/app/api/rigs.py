@@ -20,7 +20,7 @@ from reliab.app.api.arguments import (
     structure_of,
 )
 from reliab.app.api.assessment import assess
-from reliab.app.api.channels import FileReading
+from reliab.app.api.channels import FileReading, find_test
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
 from reliab.assessment.frame_assessment import CoupledAssessment
@@ -32,7 +32,6 @@ from reliab.core.errors import InputError
 from reliab.core.files import ordinary, refuse_unwritable, written_whole
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.progress import Progress, silent
-from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -273,7 +272,7 @@ class _Keeper:
 
     def keep(self, file: Path, name: str, reading: FileReading) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
-        path = or_shipped(file, "datasets", "test.csv")
+        path = find_test(file)
         checksum = _checksum(path, reading.test_name)
         if self.folder.holds(checksum):
             self._require_same(checksum, path)

@@ -19,6 +19,7 @@ from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.experimental_share import carry_to_share
 from reliab.motions.loading import load_motions
+from reliab.motions.suite import MotionSuite
 from reliab.sweep.ellipse_dataset import CURVES, open_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, StatedStructures, one_of, suite_of
@@ -206,6 +207,10 @@ class EllipseSource:
     def _thresholds(self) -> tuple[float, ...]:
         return as_names(FIVE_PERCENT if self.threshold is None else self.threshold)
 
+    def suite(self) -> MotionSuite:
+        """Find the ground motions."""
+        return load_motions(*paths(self.motions or ()), sets=self.sets)
+
     def dataset(self) -> xr.Dataset:
         """Trace the ellipses, or look them up."""
         if self.ellipses is not None:
@@ -217,7 +222,7 @@ class EllipseSource:
         if self.structure is not None:
             return self._trace_frame(self.structure)
 
-        suite = load_motions(*paths(self.motions or ()), sets=self.sets)
+        suite = self.suite()
         with show_task("Reading spectra" if self.first_order else "Tracing boundaries") as progress:
             question = questions.select_stated(questions.EllipsesQuestion, vars(self))
             return ellipses(suite, metric=[self.metric], progress=progress, **question)
@@ -270,7 +275,7 @@ class EllipseSource:
             metrics=(Metric(self.metric),),
             window=Window.parse(self.window or _RECORD),
         )
-        suite = load_motions(*paths(self.motions or ()), sets=self.sets)
+        suite = self.suite()
         with show_task("Tracing boundaries") as progress:
             return trace_frame_ellipses(suite, request, progress=progress)
 
