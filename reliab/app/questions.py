@@ -218,7 +218,7 @@ class AssessmentQuestion(
 
     command_scale: Annotated[Quantity | None, SENSORS.advanced("RATIO")]
     hysteresis: Annotated[Quantity | None, SENSORS.advanced("SHARE")]
-    resolution: Annotated[Quantity | None, SENSORS.advanced("MM")]
+    resolution: Annotated[Quantity | None, SENSORS.advanced("MM", idle_beside=("structure",))]
     filter: Annotated[Iterable[str] | None, SENSORS.advanced("CHANNEL=HZ")]
     motion: Annotated["str | Path | Motion | None", STRUCTURE.advanced("FILE")]
 

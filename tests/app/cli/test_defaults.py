@@ -128,8 +128,9 @@ def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
         return Verdict()
 
     monkeypatch.setattr("reliab.app.api.assessment.assess", assess)
-    (folder / "lab.toml").write_text(LABORATORY, encoding="utf-8")
+    laboratory = LABORATORY.replace("[assess]\n", "[assess]\nresolution = 0.01\n")
+    (folder / "lab.toml").write_text(laboratory, encoding="utf-8")
     assert run(["assess", TEST, "--config", "lab.toml", "--structure", "frame.toml", "--json", "-"]) == 0
-    assert calls.keys().isdisjoint({"f", "xi", "alpha"})
+    assert calls.keys().isdisjoint({"f", "xi", "alpha", "resolution"})
     assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
-    assert (calls["f"], calls["xi"]) == ("1±0.01", "0.02")
+    assert (calls["f"], calls["xi"], calls["resolution"]) == ("1±0.01", "0.02", "0.01")
