@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 
 
 def _any_of(*names: str, takes_files: bool = False) -> Callable[[str], list[str]]:
-    """Complete one of some names; `beside_files`: whether a file may stand in its place."""
+    """Complete one of some names; `takes_files`: whether a file may stand in their place."""
     return lambda incomplete: _complete_names(incomplete, names) if incomplete or not takes_files else []
 
 

@@ -23,7 +23,7 @@ LINEAR: Final = "linear"
 _MEASURED = "measured"
 _RANGED = ("scale", "mass", "hysteresis", "resolution")
 
-STRUCTURE: Final = ("f", "xi", "alpha")
+STRUCTURE_NAMES: Final = ("f", "xi", "alpha")
 """Names of what describes a structure of one mass."""
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from reliab.app import questions
 from reliab.app.api.arguments import (
     LINEAR,
-    STRUCTURE,
+    STRUCTURE_NAMES,
     choose_equipment,
     collect_stated_values,
     parse_filters,
@@ -155,7 +155,7 @@ def _make_judge(
         reason = "together with `criterion`, which states its own"
         refuse_stated(question, "threshold", "confidence", "metric", reason=reason)
     if structure is not None:
-        _refuse_beside_structure(numbers, *STRUCTURE)
+        _refuse_beside_structure(numbers, *STRUCTURE_NAMES)
     if structure is None or isinstance(structure, Structure):
         return _make_judge_of_structure(structure, question, numbers, filters)
     _refuse_beside_structure(numbers, "mass", "resolution")

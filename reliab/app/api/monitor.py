@@ -7,7 +7,7 @@ from typing import Any, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import (
-    STRUCTURE,
+    STRUCTURE_NAMES,
     choose_equipment,
     parse_threshold,
     refuse_stated,
@@ -132,7 +132,7 @@ def read_followed_model(question: Mapping[str, Any]) -> UpdatedModel | None:
     if model is None:
         return None
     reason = "together with `model`, which states it, and whose force is fed back without delay"
-    refuse_stated(question, *STRUCTURE, "feedback_lag", reason=reason, defaults=_DEFAULTS)
+    refuse_stated(question, *STRUCTURE_NAMES, "feedback_lag", reason=reason, defaults=_DEFAULTS)
     return model
 
 
@@ -142,7 +142,7 @@ def read_followed_frame(question: Mapping[str, Any]) -> FrameUnderTest | None:
     if structure is None:
         return None
     reason = "together with `structure`, which describes the test"
-    refuse_stated(question, *STRUCTURE, "model", reason=reason, defaults=_DEFAULTS)
+    refuse_stated(question, *STRUCTURE_NAMES, "model", reason=reason, defaults=_DEFAULTS)
     is_measured = require_known_specimen(question["specimen"])
     frame = read_structure(structure) if isinstance(structure, str | Path) else structure
     if not frame.has_several:
@@ -295,7 +295,7 @@ def _structure(request: questions.LoopMonitorQuestion) -> tuple[Partition | Hybr
         )
     if frame is not None:
         reason = "together with `structure`, which describes the test"
-        refuse_stated(question, *STRUCTURE, reason=reason, defaults={"alpha": 1.0})
+        refuse_stated(question, *STRUCTURE_NAMES, reason=reason, defaults={"alpha": 1.0})
         return _partition_of_frame(read_structure(frame), str(frame))
     if (model := read_followed_model(question)) is not None:
         return model.test, None

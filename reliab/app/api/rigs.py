@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.app import questions
 from reliab.app.api.arguments import (
-    STRUCTURE,
+    STRUCTURE_NAMES,
     parse_threshold,
     refuse_stated,
     refuse_unused,
@@ -391,7 +391,7 @@ def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]
         prediction = _predict_for_structure(table, following, limit, request)
     else:
         reason = "together with the `structure` of a frame"
-        refuse_stated(request, *STRUCTURE, "motion", "suite", reason=reason)
+        refuse_stated(request, *STRUCTURE_NAMES, "motion", "suite", reason=reason)
         frame = read_structure(request["structure"])
         prediction = predict_next(table, None, following, threshold=limit, frame=frame.name)
     return RigPrediction(rig=Path(rig), prediction=prediction)
@@ -477,7 +477,7 @@ def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuesti
         prediction = predict_next(table, None, NextTest(), threshold=limit, frame=last["structure"])
     else:
         values = stated_quantities(request)
-        last_values = {name: float(last[name]) for name in STRUCTURE if last[name] is not None}
+        last_values = {name: float(last[name]) for name in STRUCTURE_NAMES if last[name] is not None}
         structure = structure_of(values, **{**_USUAL, **last_values})
         prediction = predict_next(table, structure, NextTest(), threshold=limit)
     digest = hashlib.sha256("\n".join(table.texts("sha256")).encode()).hexdigest()
