@@ -16,7 +16,7 @@ from reliab.app import cli
 from reliab.app.api.channels import FileReading
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.motions import list_motions
-from reliab.app.api.tracing import trace_boundaries
+from reliab.app.api.simulation import trace_boundaries
 from reliab.core.shipped import shipped
 from reliab.motions.suite import MotionSuite
 from reliab.motions.writing import write_suite

@@ -20,7 +20,7 @@ from reliab.app.api.diagnosis import diagnose_campaign, document_of_diagnosis
 from reliab.app.api.monitor import follow_test
 from reliab.app.api.records import record as api_record
 from reliab.app.api.rigs import document_of_rig, export_rig, list_rig
-from reliab.app.api.tracing import trace_boundaries
+from reliab.app.api.simulation import trace_boundaries
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import CoupledAssessment

@@ -10,8 +10,7 @@ import typer
 import reliab
 from reliab.app import options, questions
 from reliab.app.api.criteria import derive_criteria
-from reliab.app.api.simulation import simulate_suite
-from reliab.app.api.tracing import trace_boundaries
+from reliab.app.api.simulation import simulate_suite, trace_boundaries
 from reliab.app.cli import application, run, spread
 from reliab.app.cli.commands import takes
 from reliab.app.declaration import Panel, Quantity, asks, collect_options, group

@@ -31,7 +31,7 @@ def test_nearly_all_motions_allow_the_region(f, xi, alpha):
 
 @pytest.mark.slow
 def test_motions_boundaries_are_the_traced_ones_at_a_shipped_structure():
-    from reliab.app.api.tracing import trace_boundaries
+    from reliab.app.api.simulation import trace_boundaries
 
     rows = list(trace_boundaries(results="real_suite", f=1, xi=0.02).rows())
     a, b = boundaries_of_motions(f=1.0, xi=0.02)

@@ -10,7 +10,7 @@ from reliab.core.significant_digits import counted
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
-    from reliab.app.api.tracing import Boundaries
+    from reliab.app.api.simulation import Boundaries
 
 
 @takes(questions.SimulationQuestion, questions.NewStore)
@@ -35,7 +35,7 @@ _PAGE = 1000  # rows
 @takes(questions.TracingQuestion)
 def ellipses(request: Request) -> None:
     """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
-    from reliab.app.api.tracing import trace_boundaries
+    from reliab.app.api.simulation import trace_boundaries
 
     metric = request.metric or Metric.RMS
     request.answer(trace_boundaries, lambda ellipses: _show(ellipses, metric))

@@ -29,9 +29,8 @@ from reliab.app.api.rigs import (
     report_rig,
     show_rig_test,
 )
-from reliab.app.api.simulation import simulate_suite
+from reliab.app.api.simulation import simulate_suite, trace_boundaries
 from reliab.app.api.studies import list_studies, report_run, run_study
-from reliab.app.api.tracing import trace_boundaries
 from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 from reliab.app.cli.commands import as_options
 from reliab.core.shipped import shipped
