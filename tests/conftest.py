@@ -261,17 +261,26 @@ def grouped_ellipses():
 
 @pytest.fixture(scope="session", autouse=True)
 def decode_shipped_results_once():
-    """Simulated results that ship take seconds to decode; the tests of a process read them once."""
+    """Results and ellipses that ship take seconds to decode; the tests of a process read them once."""
+    import xarray as xr
+
+    from reliab.sweep.netcdf import read_netcdf
     from reliab.sweep.results import open_compact
 
     shipped_folder = shipped("datasets", "real_suite")
-    decode = cache(open_compact)
+    decode, read = cache(open_compact), cache(lambda path: read_netcdf(path, "", ""))
 
     def open_cached(path):
         return decode(path).copy() if path.parent == shipped_folder else open_compact(path)
 
+    def read_cached(path, rule, remedy, select=xr.Dataset.copy):
+        if Path(path).parent == shipped_folder:
+            return select(read(Path(path))).copy(deep=True)
+        return read_netcdf(path, rule, remedy, select)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reliab.sweep.results.open_compact", open_cached)
+        patch.setattr("reliab.sweep.ellipse_dataset.read_netcdf", read_cached)
         yield
 
 
