@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -40,9 +41,12 @@ def imports_of(path):
             yield str(node.module).partition(".")[0]
 
 
+homes_of_packages = cache(packages_distributions)
+
+
 def imported_distributions(*folders):
     """Distributions that modules in folders import, each with one that does."""
-    homes = packages_distributions()
+    homes = homes_of_packages()
     distributions = {}
     for path in (path for folder in folders for path in sorted(folder.rglob("*.py*"))):
         if path.suffix in {".py", ".pyi"}:

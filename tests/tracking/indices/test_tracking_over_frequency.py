@@ -85,9 +85,8 @@ def test_where_both_sensors_have_their_zero_changes_nothing(command):
     near = (result.frequency > 0.5) & (result.frequency < 3.0)
     assert shift.interpolate(result.frequency[near])[0] == pytest.approx(result.amplitude[near], abs=5e-4)
     assert shift.interpolate(result.frequency[near])[1] == pytest.approx(result.delay[near], abs=1e-4)
-    assert result.follow(command + offset, STEP) - offset == pytest.approx(
-        result.follow(command, STEP), abs=1e-9 * offset
-    )
+    followed = result.follow(command + offset, STEP) - offset
+    np.testing.assert_allclose(followed, result.follow(command, STEP), rtol=0.0, atol=1e-9 * offset)
 
 
 def test_between_known_frequencies_values_are_interpolated_and_beyond_them_held():
