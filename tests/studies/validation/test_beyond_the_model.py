@@ -26,7 +26,7 @@ def criterion():
 
 @pytest.fixture(scope="module")
 def trials(criterion):
-    motions = load_motions("synthetic")[:6]
+    motions = load_motions("synthetic")[:3]
     structure = Structure(frequency=1.0, damping_ratio=0.02)
     return try_rigs(motions, [structure], lambda _: rigs_of_delay(0.001), criterion, levels=(1.0,), count=6)
 
