@@ -9,7 +9,7 @@ from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
 
-RATE, DURATION = 512.0, 12.0
+RATE, DURATION, TESTS = 512.0, 12.0, 4
 STIFFNESS = 4.0e4
 YIELD = 0.4  # of the largest displacement
 BETA, EXPONENT = 0.5, 2.0
@@ -56,7 +56,7 @@ def sliding(displacement, share, turn=0.01):
     return STIFFNESS * (displacement + share * YIELD * LARGEST * direction)
 
 
-def write_tests(folder, specimen, force, *, count=4, noise=0.005, steps=0.0):
+def write_tests(folder, specimen, force, *, count=TESTS, noise=0.005, steps=0.0):
     """Write a campaign of displacements and forces with noise, and a force in steps of a part of its RMS."""
     rng = np.random.default_rng(11)
     say = f'name = "specimen"\n[specimen]\n{specimen}\n[sampling]\nrate_hz = {RATE}\n'

@@ -1,5 +1,6 @@
 """Every effect against its equation, its registry entry, and its own transfer function."""
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,6 @@ from reliab.structures.structure import Structure
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
 X = 0.8 * np.sin(2.0 * np.pi * TIME) * np.sin(np.pi * TIME / 8.0)
-MOTION = Motion3.interpolate(X, STEP)
 NAMES = {
     *("command_saturation", "first_order_lag", "second_order_dynamics", "delay_drift", "rate_limit"),
     *("backlash", "stroke_saturation", "sensor_bias", "sensor_drift", "rectified_sensor", "force_bias"),
@@ -31,13 +31,18 @@ NAMES = {
 """Names that model files and diagnoses of users hold; none of them may change."""
 
 
+@cache
+def motion():
+    return Motion3.interpolate(X, STEP)
+
+
 def force_of(name, **parameters):
     effect = find_effect(name)(**parameters)
-    return load(HybridTest(specimen=Specimen(stiffness=50.0), effects=(effect,)), MOTION) - 50.0 * X
+    return load(HybridTest(specimen=Specimen(stiffness=50.0), effects=(effect,)), motion()) - 50.0 * X
 
 
 def moved_by(name, **parameters):
-    return drive(HybridTest(effects=(find_effect(name)(**parameters),)), MOTION).values[0]
+    return drive(HybridTest(effects=(find_effect(name)(**parameters),)), motion()).values[0]
 
 
 def test_effects_keep_the_names_that_files_hold():
@@ -139,7 +144,7 @@ FORCES = [
 
 @pytest.mark.parametrize(("name", "parameters", "expected"), FORCES)
 def test_force_follows_its_equation(name, parameters, expected):
-    np.testing.assert_allclose(force_of(name, **parameters), expected(*MOTION.values), atol=2e-6)
+    np.testing.assert_allclose(force_of(name, **parameters), expected(*motion().values), atol=2e-6)
 
 
 def test_hysteresis_is_elastic_first_and_yields_then():
@@ -197,7 +202,7 @@ def test_hysteresis_starts_unstressed_where_the_record_starts():
     moved = Motion3.interpolate(X + 0.3, STEP)
     part = find_effect("hysteresis")(force_n=10.0, displacement_m=0.1)
     model = HybridTest(specimen=Specimen(stiffness=0.0), effects=(part,))
-    np.testing.assert_allclose(load(model, moved), load(model, MOTION), atol=1e-9)
+    np.testing.assert_allclose(load(model, moved), load(model, motion()), atol=1e-9)
 
 
 def test_degradation_without_loss_is_hysteresis_and_with_loss_weaker():
@@ -256,10 +261,10 @@ def test_play_is_in_series_with_every_effect_in_the_specimen(name, parameters):
     """Named in any order; the motion beyond the play is that of backlash in the drive."""
     effect, play = find_effect(name)(**parameters), find_effect("series_play")(width_m=0.1)
     specimen = Specimen(stiffness=50.0, damping=2.0)
-    beyond = drive(HybridTest(effects=(find_effect("backlash")(width_m=0.1),)), MOTION)
+    beyond = drive(HybridTest(effects=(find_effect("backlash")(width_m=0.1),)), motion())
     expected = load(HybridTest(specimen=specimen, effects=(effect,)), beyond)
     for effects in ((effect, play), (play, effect)):
-        found = load(HybridTest(specimen=specimen, effects=effects), MOTION)
+        found = load(HybridTest(specimen=specimen, effects=effects), motion())
         np.testing.assert_allclose(found[1:], expected[1:], atol=1e-9 * np.abs(expected).max())
 
 
@@ -279,7 +284,7 @@ def test_play_in_a_closed_loop_is_that_along_the_same_motion():
 
 def test_rectified_sensor_folds_one_side():
     folded = HybridTest(effects=(find_effect("rectified_sensor")(rectified_share=2.0),))
-    np.testing.assert_allclose(read_displacement(folded, MOTION), np.abs(X), atol=1e-12)
+    np.testing.assert_allclose(read_displacement(folded, motion()), np.abs(X), atol=1e-12)
 
 
 def test_saturation_before_and_after_the_dynamics():
@@ -290,10 +295,10 @@ def test_saturation_before_and_after_the_dynamics():
     gain = 1.1
     clipped = Motion3.interpolate(np.clip(X, -0.3 / gain, 0.3 / gain), STEP)
     alone = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag,)), clipped).values[0]
-    found = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag, before)), MOTION).values[0]
+    found = drive(HybridTest(actuator=Actuator(gain=gain), effects=(lag, before)), motion()).values[0]
     np.testing.assert_allclose(found, alone, atol=1e-3)
-    last = drive(HybridTest(effects=(lag, after)), MOTION).values[0]
-    free = drive(HybridTest(effects=(lag,)), MOTION).values[0]
+    last = drive(HybridTest(effects=(lag, after)), motion()).values[0]
+    free = drive(HybridTest(effects=(lag,)), motion()).values[0]
     np.testing.assert_allclose(last, np.clip(free, -0.3, 0.3), atol=1e-12)
 
 
@@ -315,8 +320,8 @@ def test_drifting_delay():
 def test_readings():
     bias = HybridTest(effects=(find_effect("sensor_bias")(bias_m=0.2),))
     drift = HybridTest(effects=(find_effect("sensor_drift")(drift_m_per_s=0.01),))
-    np.testing.assert_allclose(read_displacement(bias, MOTION) - X, 0.2, atol=1e-12)
-    np.testing.assert_allclose(read_displacement(drift, MOTION) - X, 0.01 * TIME, atol=1e-12)
+    np.testing.assert_allclose(read_displacement(bias, motion()) - X, 0.2, atol=1e-12)
+    np.testing.assert_allclose(read_displacement(drift, motion()) - X, 0.01 * TIME, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """Specimens that remember: relaxation, softening, magnetorheological dampers; a delay with a direction."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -14,12 +16,16 @@ STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)
 OMEGA = 2.0 * np.pi * 0.7
 X = 0.05 * np.sin(OMEGA * TIME)
-MOTION = Motion3.interpolate(X, STEP)
 NONE = Specimen(stiffness=0.0)
 
 
-def force_of(name, motion=MOTION, **parameters):
-    return load(HybridTest(specimen=NONE, effects=(find_effect(name)(**parameters),)), motion)
+@cache
+def sine():
+    return Motion3.interpolate(X, STEP)
+
+
+def force_of(name, motion=None, **parameters):
+    return load(HybridTest(specimen=NONE, effects=(find_effect(name)(**parameters),)), motion or sine())
 
 
 def test_branch_under_a_sine_stores_and_dissipates_as_maxwell_s_element():
@@ -60,7 +66,7 @@ def test_delay_with_a_direction_is_longer_while_moving_down():
     test = HybridTest(
         actuator=Actuator(delay=0.02), effects=(find_effect("directional_delay")(difference_s=0.01),)
     )
-    piston = drive(test, MOTION).values[0]
+    piston = drive(test, sine()).values[0]
     velocity = np.cos(OMEGA * TIME)
     for moves, delay in ((velocity > 0.2, 0.015), (velocity < -0.2, 0.025)):
         expected = 0.05 * np.sin(OMEGA * (TIME - delay))
@@ -106,6 +112,6 @@ def test_rigid_second_dashpot_leaves_a_hysteresis_and_a_damper_in_parallel():
 
 def test_general_terms_are_found_by_name_and_follow_their_expression():
     force = force_of("displacement_dependent_damping", coefficient=7.0)
-    np.testing.assert_allclose(force, 7.0 * X**2 * MOTION.values[1], rtol=1e-12)
+    np.testing.assert_allclose(force, 7.0 * X**2 * sine().values[1], rtol=1e-12)
     wave = find_effect("periodic_disturbance")(sine=3.0, cosine=0.0, frequency_hz=2.0)
     assert wave.coefficients(Setting(step=STEP)).tolist() == [3.0, 0.0, 2.0]
