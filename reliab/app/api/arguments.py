@@ -119,16 +119,20 @@ def parse_filters(texts: Iterable[str]) -> "dict[str, LowPass]":
     return filters
 
 
-def refuse_unused(name: str, reason: str) -> InputError:
+def refuse_unused(name: str, reason: str, remedy: str = "Leave it out") -> InputError:
     """Describe an argument that would have no effect.
 
     `reason`: beside or without what it has no effect.
     """
-    return InputError(f"`{name}` has no effect {reason}", remedy="Leave it out")
+    return InputError(f"`{name}` has no effect {reason}", remedy=remedy)
 
 
 def refuse_stated(
-    question: Mapping[str, object], *names: str, reason: str, defaults: Mapping[str, float] | None = None
+    question: Mapping[str, object],
+    *names: str,
+    reason: str,
+    remedy: str = "Leave it out",
+    defaults: Mapping[str, float] | None = None,
 ) -> None:
     """Refuse arguments of a question that would have no effect; `reason` as of :func:`refuse_unused`.
 
@@ -137,7 +141,7 @@ def refuse_stated(
     for name in names:
         default = (defaults or {}).get(name)
         if question[name] is not None and (default is None or question[name] != StatedValue(default)):
-            raise refuse_unused(name, reason)
+            raise refuse_unused(name, reason, remedy)
 
 
 _TOLERANCE_OF_MODEL: Final = 0.01  # relative difference up to which a stated structure is that of a model

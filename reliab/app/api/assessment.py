@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
@@ -154,21 +155,14 @@ def _make_judge(
     if question["criterion"] is not None:
         reason = "together with `criterion`, which states its own"
         refuse_stated(question, "threshold", "confidence", "metric", reason=reason)
+    remedy = "Leave it out; the structure describes the test"
+    refuse = partial(refuse_stated, question, reason="together with `structure`", remedy=remedy)
     if structure is not None:
-        _refuse_beside_structure(numbers, *STRUCTURE_NAMES)
+        refuse(*STRUCTURE_NAMES)
     if structure is None or isinstance(structure, Structure):
         return _make_judge_of_structure(structure, question, numbers, filters)
-    _refuse_beside_structure(numbers, "mass", "resolution")
+    refuse("mass", "resolution")
     return _make_judge_of_frame(structure, question, numbers, filters)
-
-
-def _refuse_beside_structure(numbers: Mapping[str, StatedValue], *names: str) -> None:
-    for name in names:
-        if name in numbers:
-            raise InputError(
-                f"`{name}` has no effect together with `structure`",
-                remedy="Leave it out; the structure describes the test",
-            )
 
 
 def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
