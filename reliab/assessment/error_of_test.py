@@ -37,6 +37,7 @@ from reliab.structures.structure import Structure
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
+    from reliab.assessment.rebuild import Readings
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
@@ -87,6 +88,32 @@ class Question:
     def full_structure(self) -> Partition:
         """The structure with its specimen."""
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
+
+    def rebuilt_structure(self, recording: Recording) -> Partition:
+        """Structure with which the error of a test is rebuilt; of a measured specimen with its mass [kg]."""
+        if self.model is not None:
+            from reliab.assessment.modelled_test import tangent_structure
+
+            return tangent_structure(self.model.test)
+        if self.linear:
+            return self.full_structure
+        if self.frame is None and self.mass is None:
+            raise InputError(
+                "A measured specimen needs its force and the mass of the structure",
+                value="no force" if recording.force is None else "no `mass`",
+                remedy="Record the force that was fed back, and state `mass` in kilograms",
+                where=recording.name,
+            )
+        if recording.force is None:
+            raise InputError(
+                "A measured specimen needs its force",
+                value="a recording without force",
+                remedy="Record the force that was fed back, in newtons",
+                where=recording.name,
+            )
+        if self.frame is not None or self.mass is None:
+            return self.full_structure
+        return Partition.from_structure(self.structure, self.mass)
 
     @property
     def mass(self) -> float | None:
@@ -141,14 +168,11 @@ class Question:
         channels: ChannelSpectra,
         ground: ShownGround,
         left_by_faults: Mapping[str, float],
-        structure: Partition | None = None,
+        structure: Partition,
     ) -> Circumstances:
-        """Put together what is known before the channels are weighed; `left_by_faults` [SI units].
-
-        `structure`: with a specimen that is simulated, else as stated.
-        """
+        """Put together what is known before the channels are weighed; `left_by_faults` [SI units]."""
         return Circumstances(
-            partition=structure or self.full_structure,
+            partition=structure,
             channels=replace(channels, ground=ground.evidence(channels.ground)),
             stated=self.stated,
             equipment=self.equipment,
@@ -258,26 +282,28 @@ def error_of_test(
     repairs = left_by_repairs or {}
     if isinstance(recording, CoupledRecording):
         return _error_of_several(recording, question, known_offsets, repairs)
-    measured_displacement = recording.measured / question.stated.get("scale", StatedValue(1.0)).value
-    sensor_offset = 0.0 if 0 in known_offsets else None
-    sizes = {**_sizes(recording, question), **repairs}
-    if question.linear:
-        return _infer(recording, measured_displacement, question, sizes, sensor_offset)
-    left_by_faults = _left_by_faults(sizes, question.sizes(recording.time_step))
-    specimen, ground = None, ShownGround()
-    if question.model is None:
-        specimen = _learn_specimen(recording, measured_displacement, question, left_by_faults, sensor_offset)
-        rebuilt = specimen.rebuilt
-        ground = examine_ground_by_force(
-            replace(recording, measured=measured_displacement),
-            question.full_structure,
-            mass=question.mass or 1.0,
-            feedback_lag=question.feedback_lag,
-        )
-    else:
-        rebuilt = _rebuild_with_model(
-            recording, measured_displacement, question, question.model, left_by_faults, sensor_offset
-        )
+    from reliab.assessment.rebuild import Readings
+
+    recording = replace(
+        recording, measured=recording.measured / question.stated.get("scale", StatedValue(1.0)).value
+    )
+    structure, step = question.rebuilt_structure(recording), recording.time_step
+    require_lag(question.feedback_lag, recording.duration)
+    readings = Readings.from_histories(
+        recording.command,
+        recording.measured,
+        step,
+        structure,
+        ground=recording.ground if question.linear else None,
+        force=None if recording.force is None or question.mass is None else recording.force / question.mass,
+        sensor_offset=0.0 if 0 in known_offsets else None,
+        resolution=question.resolution,
+    )
+    ground = _examine_ground(recording, question, readings)
+    usual, sizes = question.sizes(step), {**_sizes(recording, question), **repairs}
+    left_by_faults = {name: size.deviation for name, size in sizes.items() if usual.get(name) != size}
+    circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
+    rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
@@ -290,75 +316,35 @@ def error_of_test(
     )
 
 
-def _left_by_faults(sizes: Mapping[str, Size], usual: Mapping[str, Size]) -> dict[str, float]:
-    """Deviations that faults of the channels, or their repair, leave of quantities, in the SI unit."""
-    return {name: size.deviation for name, size in sizes.items() if usual.get(name) != size}
+def _rebuild(
+    recording: Recording, question: Question, readings: "Readings", circumstances: Circumstances
+) -> "tuple[RebuiltError, MeasuredSpecimen | None]":
+    """Rebuild the error with the specimen as stated, modelled or learned."""
+    if question.model is not None:
+        from reliab.assessment.modelled_test import rebuild_modelled
 
+        test, deviations = question.model.test, question.model.deviations
+        return rebuild_modelled(readings, test, deviations, circumstances, seed=question.seed), None
+    if question.measured_specimen:
+        from reliab.assessment.measured_specimen.rebuild import rebuild_learned
 
-def _rebuild_with_model(
-    recording: Recording,
-    measured_displacement: Array,
-    question: Question,
-    model: "UpdatedModel",
-    left_by_faults: Mapping[str, float],
-    sensor_offset: float | None,
-) -> RebuiltError:
-    """Rebuild the error with a calibrated model of the specimen; `measured_displacement` [m]."""
-    from reliab.assessment.modelled_test import rebuild_modelled, tangent_structure
-    from reliab.assessment.rebuild import Readings
-
-    structure = tangent_structure(model.test)
-    readings = Readings.from_histories(
-        recording.command,
-        measured_displacement,
-        recording.time_step,
-        structure,
-        sensor_offset=sensor_offset,
-        resolution=question.resolution,
-    )
-    circumstances = question.circumstances(readings.channels, ShownGround(), left_by_faults, structure)
-    return rebuild_modelled(readings, model.test, model.deviations, circumstances, seed=question.seed)
-
-
-def _infer(
-    recording: Recording,
-    measured_displacement: Array,
-    question: Question,
-    sizes: Mapping[str, Size],
-    sensor_offset: float | None,
-) -> ErrorOfTest:
-    """Infer the error of a test of a linear specimen from all of its channels.
-
-    `measured_displacement`, `sensor_offset` [m].
-    """
+        force, channel = recording.force, question.force_channel
+        specimen = rebuild_learned(readings, force, channel, circumstances, seed=question.seed)
+        return specimen.rebuilt, specimen
     from reliab.assessment.inferred_error import infer_errors
-    from reliab.assessment.rebuild import Readings
 
-    structure, equipment_sizes = question.full_structure, question.sizes(recording.time_step)
-    require_lag(question.feedback_lag, recording.duration)
-    readings = Readings.from_histories(
-        recording.command,
-        measured_displacement,
-        recording.time_step,
-        structure,
-        ground=recording.ground,
-        force=None if recording.force is None or question.mass is None else recording.force / question.mass,
-        sensor_offset=sensor_offset,
-        resolution=question.resolution,
-    )
-    ground = examine_ground(recording, readings.channels, structure, feedback_lag=question.feedback_lag)
-    left_by_faults = _left_by_faults(sizes, equipment_sizes)
-    inferred_error = infer_errors(
-        question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
-    )
-    return ErrorOfTest(
-        rebuilt=readings.rebuilt(inferred_error),
-        metric=question.metric,
-        threshold=question.threshold,
-        damping_ratio=question.structure.damping_ratio,
-        sizes=sizes,
-        inferred=inferred_error,
-        ground=ground,
+    return readings.rebuilt(infer_errors(circumstances, readings.stride, question.seed)), None
+
+
+def _examine_ground(recording: Recording, question: Question, readings: "Readings") -> ShownGround:
+    """Examine the recorded ground acceleration; of a measured specimen by its force."""
+    if question.model is not None:
+        return ShownGround()
+    lag = question.feedback_lag
+    if question.linear:
+        return examine_ground(recording, readings.channels, question.full_structure, feedback_lag=lag)
+    return examine_ground_by_force(
+        recording, question.full_structure, mass=question.mass or 1.0, feedback_lag=lag
     )
 
 
@@ -385,48 +371,6 @@ def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
     if filtering is None:
         return sizes
     return {**sizes, "open_filter": Size(deviation=filtering.delay, source=PriorSource.LEARNED)}
-
-
-def _learn_specimen(
-    recording: Recording,
-    measured_displacement: Array,
-    question: Question,
-    left_by_faults: Mapping[str, float],
-    sensor_offset: float | None,
-) -> "MeasuredSpecimen":
-    """Learn the specimen from the recorded force, with the error of its test; `measured_displacement` [m]."""
-    structure = question.full_structure
-    if question.frame is None:
-        if question.mass is None:
-            raise InputError(
-                "A measured specimen needs its force and the mass of the structure",
-                value="no force" if recording.force is None else "no `mass`",
-                remedy="Record the force that was fed back, and state `mass` in kilograms",
-                where=recording.name,
-            )
-        structure = Partition.from_structure(question.structure, question.mass)
-    if recording.force is None:
-        raise InputError(
-            "A measured specimen needs its force",
-            value="a recording without force",
-            remedy="Record the force that was fed back, in newtons",
-            where=recording.name,
-        )
-    from reliab.assessment.measured_specimen.force_channel import ForceChannel
-    from reliab.assessment.measured_specimen.rebuild import rebuild_learned
-    from reliab.assessment.rebuild import Readings
-
-    readings = Readings.from_histories(
-        recording.command,
-        measured_displacement,
-        recording.time_step,
-        structure,
-        sensor_offset=sensor_offset,
-        resolution=question.resolution,
-    )
-    circumstances = question.circumstances(readings.channels, ShownGround(), left_by_faults, structure)
-    channel = question.force_channel or ForceChannel()
-    return rebuild_learned(readings, recording.force, channel, circumstances, seed=question.seed)
 
 
 def _error_of_several(
@@ -461,11 +405,12 @@ def _error_of_several(
     ground = examine_ground(recording, readings.channels, frame.partition, feedback_lag=question.feedback_lag)
     left_by_faults = {name: size.deviation for name, size in repairs.items()}
     inferred_error = infer_errors(
-        question.circumstances(readings.channels, ground, left_by_faults), readings.stride, question.seed
+        question.circumstances(readings.channels, ground, left_by_faults, frame.partition),
+        readings.stride,
+        question.seed,
     )
     return ErrorOfSeveral(
         rebuilt=readings.rebuilt(inferred_error, question.feedback_lag),
-        inferred=inferred_error,
         metric=question.metric,
         threshold=question.threshold,
         sizes={**question.sizes(recording.time_step), **repairs},

@@ -48,7 +48,6 @@ class ErrorWithThreshold(PlainResult, ABC):
     threshold: float  # Error with which it is compared [-]
     # Sizes of what is not known of the test, by the names of the tolerances
     sizes: Mapping[str, Size] = field(default_factory=dict)
-    inferred: "InferredError | None" = None  # The posterior behind it, where there is one
     ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
     # What was learned of the specimen from its own force, where it is known by that only
     specimen: "MeasuredSpecimen | None" = None
@@ -58,6 +57,11 @@ class ErrorWithThreshold(PlainResult, ABC):
     @abstractmethod
     def displacements(self) -> "tuple[DisplacementError, ...]":
         """Errors of the interface displacements, in their order."""
+
+    @property
+    def inferred(self) -> "InferredError | None":
+        """What the channels show of everything that is uncertain; None where the specimen is not linear."""
+        return None if self.modelled or self.specimen is not None else self.rebuilt.inferred
 
     @property
     def specimen_known(self) -> str:
@@ -162,7 +166,6 @@ class ErrorOfSeveral(ErrorWithThreshold):
     }
 
     rebuilt: "CoupledError"
-    inferred: "InferredError"
 
     @property
     def displacements(self) -> "tuple[DegreeError, ...]":
@@ -179,11 +182,11 @@ class ErrorOfSeveral(ErrorWithThreshold):
         """What widens the interval of the governing error, the widest first, if any is judged."""
         if self.governing is None:
             return ()
-        return self.inferred.widenings(self.metric, self.displacements.index(self.governing))
+        return self.rebuilt.inferred.widenings(self.metric, self.displacements.index(self.governing))
 
     def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
         """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
-        return self.inferred.exact()
+        return self.rebuilt.inferred.exact()
 
     def probability_of(self, degree: "DegreeError") -> float:
         """Probability that the error of one displacement stays below the threshold."""

@@ -189,14 +189,20 @@ def rebuild_with_force(
     circumstances = replace(
         circumstances, left_by_faults={**circumstances.left_by_faults, "mass": mass_deviation}
     )
-    return rebuild_learned(readings, force, force_channel or ForceChannel(), circumstances, seed=seed)
+    return rebuild_learned(readings, force, force_channel, circumstances, seed=seed)
 
 
 def rebuild_learned(
-    readings: Readings, force: Array, channel: ForceChannel, circumstances: Circumstances, *, seed: int = 0
+    readings: Readings,
+    force: Array | None,
+    channel: ForceChannel | None,
+    circumstances: Circumstances,
+    *,
+    seed: int = 0,
 ) -> MeasuredSpecimen:
     """Learn the specimen from its force [N], shape (n,), and rebuild the error of its test."""
     structure, step = circumstances.partition, readings.time_step
+    channel = channel or ForceChannel()
     with one_thread():
         command, noise = readings.command, readings.noise
         force = _check_force(force, command)
@@ -302,8 +308,8 @@ def _conclude(
     )
 
 
-def _check_force(force: Array, measured_displacement: Array) -> Array:
-    force = np.ascontiguousarray(force, dtype=np.float64)
+def _check_force(force: Array | None, measured_displacement: Array) -> Array:
+    force = np.ascontiguousarray(np.zeros(0) if force is None else force, dtype=np.float64)
     if force.shape != measured_displacement.shape or not np.isfinite(force).all() or not np.ptp(force) > 0.0:
         raise InputError(
             "A measured specimen needs its recorded force, finite, changing and as long as the displacements",
