@@ -18,7 +18,7 @@ from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
 from reliab.assessment.inference.error_draws import ACCURACY
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
-from reliab.assessment.rebuilt_error.spread import Estimate, Spread
+from reliab.assessment.rebuilt_error.spread import ErrorDraws, Estimate
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
@@ -225,9 +225,9 @@ def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError
     """Error of one response from RMS, largest deviation and peak, (3,), and those of draws, (draws, 3)."""
 
     def estimates(values: Array, unit: float | None) -> list[Estimate]:
-        spread = _spread(draws, unit)
+        errors = _error_draws(draws, unit)
         metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
-        return [spread.estimate(metric, value) for metric, value in metrics]
+        return [errors.estimate(metric, value) for metric, value in metrics]
 
     rms_mm, peak_mm = estimates(MILLI * sizes[:2], 1.0 / MILLI)
     rms = mte = None
@@ -236,14 +236,8 @@ def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError
     return ResponseError(name=f"{kind} {name}", kind=kind, rms_mm=rms_mm, peak_mm=peak_mm, rms=rms, mte=mte)
 
 
-def _spread(draws: Array, unit: float | None) -> Spread:
+def _error_draws(draws: Array, unit: float | None) -> ErrorDraws:
     """Draws of a response's RMS and largest deviation over a length [m], or over its peak in each draw."""
     rms, largest, peak = draws.T
     scale = peak if unit is None else unit
-    return Spread(
-        rms=rms / scale,
-        mte=largest / scale,
-        mean=np.zeros(0),
-        deviation=np.zeros(0),
-        weights=np.ones(rms.size),
-    )
+    return ErrorDraws(rms=rms / scale, mte=largest / scale, weights=np.ones(rms.size))

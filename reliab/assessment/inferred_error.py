@@ -26,7 +26,6 @@ from reliab.assessment.inference.quantities import UncertainQuantity
 from reliab.assessment.inference.rebuilt import LinearTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.spread import Spread
 from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
@@ -52,7 +51,7 @@ class InferredError:
 
     def worlds(self, count: int) -> Iterator[tuple[int, Experiment]]:
         """Possible worlds with the numbers of their draws, each as often as it weighs."""
-        weights = self.errors.displacements[0].weights
+        weights = self.posterior.draws.weights
         draws = np.random.default_rng(0).choice(weights.size, count, p=weights)
         for draw in draws.tolist():
             yield draw, self.posterior.experiment(self.posterior.draws.values[draw])
@@ -65,20 +64,12 @@ class InferredError:
 
     def histories(self, place: int, read: Array) -> dict[str, Any]:
         """Histories and draws of the error of a displacement that was read so [m], shape (n,)."""
-        errors = self.errors.displacements[place]
         return {
             "error": read - self.errors.exact[place],
             "smooth_error": self.errors.error[place],
             "reference": self.errors.exact[place],
-            "rms": errors.estimate(Metric.RMS),
-            "mte": errors.estimate(Metric.MTE),
-            "draws": Spread(
-                rms=errors.rms,
-                mte=errors.mte,
-                mean=self.errors.error[place],
-                deviation=self.errors.deviation[place],
-                weights=errors.weights * errors.weights.size,
-            ),
+            "deviation": self.errors.deviation[place],
+            "draws": self.errors.displacements[place],
         }
 
     def exact_as_stated(self) -> Array:
@@ -100,11 +91,11 @@ class InferredError:
         draws = self.errors.displacements[place]
         estimate = draws.estimate(metric)
         width = estimate.high - estimate.low
-        values = draws.errors(metric)
-        deviation = _deviation(values, draws.weights)
+        values, weights = draws.errors(metric), self.posterior.draws.weights
+        deviation = _deviation(values, weights)
         widenings = []
         for unknown, z, spread in self._unknowns():
-            share = _explained_share(values, z, draws.weights)
+            share = _explained_share(values, z, weights)
             widenings.append(
                 Widening(
                     name=unknown.name,
@@ -126,7 +117,7 @@ class InferredError:
         """Contribution of something of which there are errors that hold nothing else, shape (draws,)."""
         draws, own = self.errors.displacements[place], float(np.std(errors))
         estimate = draws.estimate(metric)
-        whole = _deviation(draws.errors(metric), draws.weights)
+        whole = _deviation(draws.errors(metric), self.posterior.draws.weights)
         remainder = max(1.0 - (own / whole) ** 2, 0.0) if whole else 0.0
         width = estimate.high - estimate.low
         return Widening(

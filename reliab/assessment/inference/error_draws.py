@@ -8,31 +8,12 @@ import numpy as np
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import LinearTest, relative_errors
-from reliab.assessment.rebuilt_error.spread import ENDS, Estimate, weighted_quantiles
+from reliab.assessment.rebuilt_error.spread import ErrorDraws
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 
 ACCURACY = 0.004
 """Standard deviation of the relative error of the numbers, with structure and channels exact [-]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorDraws:
-    """Errors of one displacement over the draws of a posterior."""
-
-    name: str
-    rms: Array  # RMS^R [-], shape (draws,)
-    mte: Array  # MTE^R [-], shape (draws,)
-    weights: Array  # Of the draws, sum one, shape (draws,)
-
-    def errors(self, metric: Metric) -> Array:
-        """Return the errors [-], shape (draws,)."""
-        return self.rms if metric is Metric.RMS else self.mte
-
-    def estimate(self, metric: Metric) -> Estimate:
-        """Return the median and the 90 % interval."""
-        value, low, high = weighted_quantiles(self.errors(metric), self.weights, 0.5, *ENDS)
-        return Estimate(value=value, low=low, high=high)
 
 
 class TestedStructure(Protocol):
@@ -99,12 +80,11 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
     return ErrorsOfTest(
         displacements=tuple(
             ErrorDraws(
-                name=name,
                 rms=factors[0, place] * rms[:, place],
                 mte=factors[1, place] * mte[:, place],
-                weights=weights,
+                weights=weights * weights.size,
             )
-            for place, name in enumerate(partition.names)
+            for place in range(partition.degrees)
         ),
         error=on_record[0],
         exact=on_record[1],

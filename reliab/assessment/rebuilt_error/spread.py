@@ -33,28 +33,22 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Spread:
+class ErrorDraws:
     """Errors of many draws."""
 
     rms: Array  # rms, mte: RMS^R and MTE^R [-], shape (draws,)
     mte: Array
-    # mean, deviation: Mean and standard deviation of x_m − x_I over the draws at the samples [m], shape (n,)
-    mean: Array
-    deviation: Array
     weights: Array  # Of the draws, their mean is one, shape (draws,)
 
     def errors(self, metric: Metric) -> Array:
         """RMS^R or MTE^R of the draws [-], shape (draws,)."""
         return self.rms if Metric(metric) is Metric.RMS else self.mte
 
-    def interval(self, metric: Metric) -> tuple[float, float]:
-        """Return the ends of the 90 % interval of RMS^R or MTE^R [-]."""
-        low, high = weighted_quantiles(self.errors(metric), self.weights, *ENDS)
-        return low, high
-
-    def estimate(self, metric: Metric, value: float) -> Estimate:
-        """Value of RMS^R or MTE^R with its 90 % interval, which holds the value."""
-        low, high = self.interval(metric)
+    def estimate(self, metric: Metric, value: float | None = None) -> Estimate:
+        """Return the median of RMS^R or MTE^R with its 90 % interval, which holds a value in its place."""
+        median, low, high = weighted_quantiles(self.errors(metric), self.weights, 0.5, *ENDS)
+        if value is None:
+            return Estimate(value=median, low=low, high=high)
         return Estimate(value=value, low=min(low, value), high=max(high, value))
 
     def probability_below(self, threshold: float, metric: Metric) -> float:
@@ -78,23 +72,32 @@ class DisplacementError:
     error: Array  # x_m − x_I [m] sample by sample as the sensor reads x_m, its offset taken away, shape (n,)
     smooth_error: Array  # The same without the sensor's noise above the band of the motion [m], shape (n,)
     reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
-    rms: Estimate  # rms, mte: RMS^R and MTE^R [-] with their 90 % intervals
-    mte: Estimate
-    draws: Spread  # RMS^R and MTE^R of the draws behind the intervals
+    deviation: Array  # Standard deviation of both over the draws [m], shape (n,)
+    draws: ErrorDraws  # RMS^R and MTE^R of the draws behind the intervals
+
+    @property
+    def rms(self) -> Estimate:
+        """RMS^R with its 90 % interval."""
+        return self.draws.estimate(Metric.RMS)
+
+    @property
+    def mte(self) -> Estimate:
+        """MTE^R with its 90 % interval."""
+        return self.draws.estimate(Metric.MTE)
 
     @property
     def low(self) -> Array:
         """Lower end of the 90 % band of x_m − x_I at each sample [m], shape (n,)."""
-        return self.draws.mean - HALF_WIDTH * self.draws.deviation
+        return self.smooth_error - HALF_WIDTH * self.deviation
 
     @property
     def high(self) -> Array:
         """Upper end of the 90 % band of x_m − x_I at each sample [m], shape (n,)."""
-        return self.draws.mean + HALF_WIDTH * self.draws.deviation
+        return self.smooth_error + HALF_WIDTH * self.deviation
 
     def estimate(self, metric: Metric) -> Estimate:
         """RMS^R or MTE^R with its interval."""
-        return self.rms if Metric(metric) is Metric.RMS else self.mte
+        return self.draws.estimate(metric)
 
     def errors(self, metric: Metric) -> Array:
         """RMS^R or MTE^R of the draws [-], shape (draws,)."""

@@ -70,7 +70,7 @@ def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outc
     model_error = rebuild_with_specimen(
         *arguments, model(), tolerances=stated_values, sensor_offset=0.0, draws=32
     )
-    ratio = np.median(model_error.draws.deviation[500:]) / np.median(linear.draws.deviation[500:])
+    ratio = np.median(model_error.deviation[500:]) / np.median(linear.deviation[500:])
     assert ratio == pytest.approx(1.0, abs=0.3)
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from reliab.assessment.rebuilt_error.spread import Spread
+from reliab.assessment.rebuilt_error.spread import ErrorDraws, Estimate
 from reliab.core.vocabulary import Metric
 
 
 def spread_of(errors, weights=1.0):
     weights = np.broadcast_to(weights, errors.shape) / np.mean(weights)
-    return Spread(rms=errors, mte=2.0 * errors, mean=np.zeros(1), deviation=np.zeros(1), weights=weights)
+    return ErrorDraws(rms=errors, mte=2.0 * errors, weights=weights)
 
 
 def test_weighted_draws_are_those_of_the_weighted_density():
@@ -26,12 +26,12 @@ def test_weighted_draws_are_those_of_the_weighted_density():
 def test_the_ends_of_the_interval_have_the_stated_probability():
     spread = spread_of(np.random.default_rng(3).normal(0.05, 0.01, 20_000))
     for metric in Metric:
-        low, high = spread.interval(metric)
-        assert spread.probability_below(low, metric) == pytest.approx(0.05, abs=1e-3)
-        assert spread.probability_below(high, metric) == pytest.approx(0.95, abs=1e-3)
+        error = spread.estimate(metric)
+        assert spread.probability_below(error.low, metric) == pytest.approx(0.05, abs=1e-3)
+        assert spread.probability_below(error.high, metric) == pytest.approx(0.95, abs=1e-3)
 
 
 def test_draws_without_any_error_are_certain_but_for_half_a_draw():
     nothing = spread_of(np.zeros(8))
-    assert nothing.interval(Metric.RMS) == (0.0, 0.0)
+    assert nothing.estimate(Metric.RMS) == Estimate(value=0.0, low=0.0, high=0.0)
     assert nothing.probability_below(0.05, Metric.RMS) == pytest.approx(8.5 / 9.0)
