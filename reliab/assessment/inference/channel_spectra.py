@@ -10,6 +10,7 @@ from reliab.assessment.inference.band import AnalysisBand, highest_frequency
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled
 from reliab.signals.lapped_transform import analyse, synthesise
+from reliab.signals.noise import converter_step
 from reliab.structures.partition import Partition
 
 _BLOCK = 1.0  # periods of the structure in a hop of the lapped transform
@@ -76,7 +77,7 @@ class ChannelSpectra:
 
         `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
         [Hz], above which no noise is left to be read; `resolution`: step of the converters of the measured
-        displacements [m], whose rounding is at least white noise of its variance.
+        displacements [m], where the readings do not show it. Rounding counts as white noise.
         """
         frequencies, ratios, _ = partition.modes
         lowest = float(frequencies[0])
@@ -89,7 +90,8 @@ class ChannelSpectra:
         )
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
         noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
-        noise = np.maximum(noise, resolution**2 / 12.0)
+        steps = np.array([max(converter_step(row), resolution) for row in measured_displacement])
+        noise = np.maximum(noise, steps**2 / 12.0)
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
         tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
