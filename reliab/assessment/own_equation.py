@@ -155,9 +155,7 @@ def _force_of_specimen(recording: Recording, structure: Structure) -> Array | No
 class Spring:
     """A specimen's spring by its recorded force."""
 
-    # stiffness, stiffness_deviation: k with its standard error, in units of force over metres
-    stiffness: float
-    stiffness_deviation: float
+    stiffness: float  # k, in units of force over metres
     # late, late_deviation: c/k with its standard error [s]: time by which the displacement was recorded later
     # than the force
     late: float
@@ -187,7 +185,6 @@ def fit_spring(measured_displacement: Array, force: Array, kernel: SmoothingKern
     follows = stiffness > _CLEAR * np.sqrt(covariance[0, 0])
     return Spring(
         stiffness=float(stiffness),
-        stiffness_deviation=float(np.sqrt(covariance[0, 0])),
         late=float(damping / stiffness) if follows else 0.0,
         late_deviation=float(np.sqrt(covariance[1, 1]) / stiffness) if follows else 0.0,
     )
