@@ -381,9 +381,7 @@ def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Q
     ratio = damping_from_channels(posterior, question.structure)
     structure = replace(question.structure, damping_ratio=ratio.value)
     stated_values = {**question.stated, "xi": ratio}
-    return replace(question, structure=structure, stated=stated_values, damping_shown=True), (
-        _shows_ratio(ratio),
-    )
+    return replace(question, structure=structure, stated=stated_values), (_shows_ratio(ratio),)
 
 
 def _shows_ratio(ratio: StatedValue) -> str:

@@ -129,7 +129,11 @@ def doubt_entries(verdict: Verdict, error: ErrorWithThreshold) -> Verdict:
     open, so that a 90 % interval holds too rarely where the test is too short to show it.
     """
     is_learned = error.inferred is not None and bool(error.inferred.posterior.evidence)
-    if is_learned or verdict.word is not Word.RELIABLE or not any(map(is_of_entries, error.sizes)):
+    if (
+        is_learned
+        or verdict.word is not Word.RELIABLE
+        or not any(map(is_of_entries, error.rebuilt.inferred.sizes))
+    ):
         return verdict
     largest = error.largest_drawn
     if largest <= error.threshold:

@@ -10,7 +10,6 @@ import numpy as np
 from reliab.assessment.budget.sizes import (
     WHOLE_QUANTITIES,
     Equipment,
-    PriorSource,
     Size,
     sizes_of_structure,
     sizes_of_unknown,
@@ -81,7 +80,6 @@ class Question:
     force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
     # The frame under test, of which `structure` is the mode that governs the error; None for one mass
     frame: "FrameUnderTest | None" = None
-    damping_shown: bool = False  # Whether the test itself showed its damping ratio, which nobody stated
     ignores_force: bool = False  # Whether the recorded force is not that of a linear specimen
 
     @property
@@ -187,8 +185,6 @@ class Question:
         sizes = sizes_of_unknown(
             self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
         )
-        if self.damping_shown:
-            sizes["damping_ratio"] = replace(sizes["damping_ratio"], source=PriorSource.LEARNED)
         return sizes if self.frame is None else {**sizes, **sizes_of_structure(self.frame)}
 
 
@@ -255,7 +251,7 @@ def error_of_test(
     question: Question,
     *,
     known_offsets: Collection[int] = ...,
-    left_by_repairs: Mapping[str, Size] | None = ...,
+    left_by_repairs: Mapping[str, float] | None = ...,
 ) -> ErrorOfTest: ...
 @overload
 def error_of_test(
@@ -263,7 +259,7 @@ def error_of_test(
     question: Question,
     *,
     known_offsets: Collection[int] = ...,
-    left_by_repairs: Mapping[str, Size] | None = ...,
+    left_by_repairs: Mapping[str, float] | None = ...,
 ) -> ErrorOfSeveral: ...
 
 
@@ -272,7 +268,7 @@ def error_of_test(
     question: Question,
     *,
     known_offsets: Collection[int] = (),
-    left_by_repairs: Mapping[str, Size] | None = None,
+    left_by_repairs: Mapping[str, float] | None = None,
 ) -> ErrorOfTest | ErrorOfSeveral:
     """Compute the error of a test.
 
@@ -300,8 +296,7 @@ def error_of_test(
         resolution=question.resolution,
     )
     ground = _examine_ground(recording, question, readings)
-    usual, sizes = question.sizes(step), {**_sizes(recording, question), **repairs}
-    left_by_faults = {name: size.deviation for name, size in sizes.items() if usual.get(name) != size}
+    left_by_faults = {**_open_filter(recording, question), **repairs}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
     return ErrorOfTest(
@@ -309,7 +304,6 @@ def error_of_test(
         metric=question.metric,
         threshold=question.threshold,
         damping_ratio=question.structure.damping_ratio,
-        sizes=sizes | _sizes_of_force(specimen, question),
         ground=ground,
         specimen=specimen,
         modelled=question.model is not None,
@@ -348,36 +342,19 @@ def _examine_ground(recording: Recording, question: Question, readings: "Reading
     )
 
 
-def _sizes_of_force(specimen: "MeasuredSpecimen | None", question: Question) -> dict[str, Size]:
-    """Sizes of what is stated of mass and force of a measured specimen."""
-    if specimen is None:
-        return {}
-    deviations = specimen.test.channel.deviations_by_name
-    if "mass" in question.stated:
-        deviations["mass"] = question.stated["mass"].deviation / question.stated["mass"].value
-    return {
-        name: Size(deviation=deviation, source=PriorSource.STATED)
-        for name, deviation in deviations.items()
-        if deviation
-    }
-
-
-def _sizes(recording: Recording, question: Question) -> dict[str, Size]:
-    """Sizes of what is not known, with the filter that noise shows where no filter is stated."""
-    sizes = question.sizes(recording.time_step)
+def _open_filter(recording: Recording, question: Question) -> dict[str, float]:
+    """Delay [s] of a filter that noise shows where no filter is stated, and the command may have passed."""
     if question.equipment.is_exact or "filter_delay" in question.stated or question.frame is not None:
-        return sizes
+        return {}
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
-    if filtering is None:
-        return sizes
-    return {**sizes, "open_filter": Size(deviation=filtering.delay, source=PriorSource.LEARNED)}
+    return {} if filtering is None else {"open_filter": filtering.delay}
 
 
 def _error_of_several(
     recording: CoupledRecording,
     question: Question,
     known_offsets: Collection[int],
-    repairs: Mapping[str, Size],
+    repairs: Mapping[str, float],
 ) -> ErrorOfSeveral:
     """Compute the errors of all interface displacements; arguments as of `error_of_test`."""
     from reliab.assessment.coupled_error.rebuild import CoupledReadings
@@ -403,9 +380,8 @@ def _error_of_several(
         sensor_offsets=offsets,
     )
     ground = examine_ground(recording, readings.channels, frame.partition, feedback_lag=question.feedback_lag)
-    left_by_faults = {name: size.deviation for name, size in repairs.items()}
     inferred_error = infer_errors(
-        question.circumstances(readings.channels, ground, left_by_faults, frame.partition),
+        question.circumstances(readings.channels, ground, repairs, frame.partition),
         readings.stride,
         question.seed,
     )
@@ -413,6 +389,5 @@ def _error_of_several(
         rebuilt=readings.rebuilt(inferred_error, question.feedback_lag),
         metric=question.metric,
         threshold=question.threshold,
-        sizes={**question.sizes(recording.time_step), **repairs},
         ground=ground,
     )

@@ -1,14 +1,14 @@
 """An error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
-from reliab.assessment.budget.sizes import PriorSource, Size, as_certain_as
+from reliab.assessment.budget.sizes import PriorSource, limit_certainty
 from reliab.assessment.rebuilt_error.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -46,8 +46,6 @@ class ErrorWithThreshold(PlainResult, ABC):
     rebuilt: "RebuiltError | CoupledError"  # The error with its histories and draws
     metric: Metric  # Which error is asked about
     threshold: float  # Error with which it is compared [-]
-    # Sizes of what is not known of the test, by the names of the tolerances
-    sizes: Mapping[str, Size] = field(default_factory=dict)
     ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
     # What was learned of the specimen from its own force, where it is known by that only
     specimen: "MeasuredSpecimen | None" = None
@@ -95,7 +93,10 @@ class ErrorWithThreshold(PlainResult, ABC):
 
         Where sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
         """
-        return as_certain_as(self.sizes, self.rebuilt.probability(self.threshold, self.metric))
+        return self._limit(self.rebuilt.probability(self.threshold, self.metric))
+
+    def _limit(self, probability: float) -> float:
+        return limit_certainty(probability, assumed=self.rebuilt.inferred.assumed)
 
     @property
     def displacement_suffix(self) -> str:
@@ -190,7 +191,7 @@ class ErrorOfSeveral(ErrorWithThreshold):
 
     def probability_of(self, degree: "DegreeError") -> float:
         """Probability that the error of one displacement stays below the threshold."""
-        return as_certain_as(self.sizes, degree.probability(self.threshold, self.metric))
+        return self._limit(degree.probability(self.threshold, self.metric))
 
     @cached_property
     def parts(self) -> Parts:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from reliab.assessment.budget.sizes import PriorSource, Size
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.faults import Fault, repair_recording
@@ -41,7 +40,7 @@ def error_with_faults(
     unfelt = [fault for fault in faults if fault.in_loop is False]
     known_offsets = {fault.place for fault in faults if fault.size}
 
-    def error_without(some: Sequence[Fault], open_sizes: Mapping[str, Size]) -> ErrorOfTest | ErrorOfSeveral:
+    def error_without(some: Sequence[Fault], open_sizes: Mapping[str, float]) -> ErrorOfTest | ErrorOfSeveral:
         return error_of_test(
             repair_recording(recording, some),
             question,
@@ -63,19 +62,13 @@ def error_with_faults(
     )
 
 
-def _sizes_open(faults: Sequence[Fault]) -> dict[str, Size]:
+def _sizes_open(faults: Sequence[Fault]) -> dict[str, float]:
     """Offsets and drifts of which the command does not show whether the loop felt them."""
     return {
-        fault.name_quantity("open"): Size(deviation=fault.size, source=PriorSource.LEARNED)
-        for fault in faults
-        if fault.size and fault.in_loop is None
+        fault.name_quantity("open"): fault.size for fault in faults if fault.size and fault.in_loop is None
     }
 
 
-def _sizes_left(faults: Sequence[Fault]) -> dict[str, Size]:
+def _sizes_left(faults: Sequence[Fault]) -> dict[str, float]:
     """Sizes of what the repair of faults leaves unknown, by the names of the tolerances."""
-    return {
-        fault.name_quantity("sensor"): Size(deviation=fault.deviation, source=PriorSource.LEARNED)
-        for fault in faults
-        if fault.deviation
-    }
+    return {fault.name_quantity("sensor"): fault.deviation for fault in faults if fault.deviation}

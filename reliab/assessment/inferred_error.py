@@ -49,6 +49,16 @@ class InferredError:
     errors: ErrorsOfTest
     every: int  # Number of samples of which `exact` gives one
 
+    @property
+    def assumed(self) -> bool:
+        """Whether sizes of what is uncertain are those of ordinary equipment."""
+        return any(unknown.assumed for unknown in self.posterior.unknowns)
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Standard deviations of what is uncertain before the test, relative or in the SI unit, by name."""
+        return {unknown.name: unknown.prior.deviation for unknown in self.posterior.unknowns}
+
     def worlds(self, count: int) -> Iterator[tuple[int, Experiment]]:
         """Possible worlds with the numbers of their draws, each as often as it weighs."""
         weights = self.posterior.draws.weights

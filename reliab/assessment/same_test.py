@@ -277,7 +277,7 @@ def _tracking(assessment: Assessment, size: int) -> Array:
 
 def _unknown_zero(assessment: Assessment, generator: np.random.Generator) -> Array:
     """Draw where the tracking error truly vanishes, as far as channels are known, shape (draws, 2)."""
-    sizes = {name: size.deviation for name, size in assessment.error.sizes.items()}
+    sizes = assessment.error.rebuilt.inferred.sizes
     late = np.hypot(sizes.get("time_shift", 0.0), sizes.get("filter_delay", 0.0))
     zero_draws = generator.standard_normal((_DRAWS, 2)) * [sizes.get("sensor_scale", 0.0), late]
     zero_draws[:, 1] += sizes.get("open_filter", 0.0) * (generator.uniform(size=_DRAWS) < _OPEN)

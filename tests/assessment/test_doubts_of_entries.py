@@ -15,12 +15,14 @@ def error(
     evidence: tuple[Any, ...] | None = None,
 ) -> Any:
     """An error of which one draw is 6 %."""
-    posterior = None if evidence is None else SimpleNamespace(posterior=SimpleNamespace(evidence=evidence))
+    inferred = SimpleNamespace(
+        posterior=SimpleNamespace(evidence=evidence or ()), sizes=dict.fromkeys(unknown, 0.02)
+    )
     return SimpleNamespace(
-        sizes=dict.fromkeys(unknown),
         largest_drawn=0.06,
         threshold=threshold,
-        inferred=posterior,
+        inferred=None if evidence is None else inferred,
+        rebuilt=SimpleNamespace(inferred=inferred),
     )
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from reliab.app.api.arguments import parse_filters, require_sound, structure_of
 from reliab.assessment.budget.sizes import (
     Equipment,
+    PriorSource,
     Size,
-    as_certain_as,
+    limit_certainty,
     sizes_of_structure,
     sizes_of_unknown,
     tolerances_of,
@@ -391,7 +392,10 @@ class FollowedTest:
         """RMS^R and MTE^R with their intervals, and the probability of staying below the threshold."""
         if error is None:
             return {**dict.fromkeys(Metric, plain_value(UNKNOWN)), "probability": None}
-        probability = as_certain_as(self.sizes, error.probability(self.threshold, self.metric))
+        probability = limit_certainty(
+            error.probability(self.threshold, self.metric),
+            assumed=any(size.source is PriorSource.DEFAULT for size in self.sizes.values()),
+        )
         return {
             **{metric: plain_value(error.estimate(metric)) for metric in Metric},
             "probability": probability,

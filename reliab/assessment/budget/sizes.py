@@ -256,9 +256,9 @@ def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
     return Tolerances(**deviations, of_parts=part_tolerances, of_sensors=sensor_tolerances)
 
 
-def as_certain_as(sizes: Mapping[str, Size], probability: float) -> float:
+def limit_certainty(probability: float, *, assumed: bool) -> float:
     """Limit a probability to 0.01 to 0.99 where sizes are assumed: rare sizes are not known so well."""
-    if any(size.source is PriorSource.DEFAULT for size in sizes.values()):
+    if assumed:
         return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
     return probability
 

@@ -377,6 +377,11 @@ class UncertainQuantity:
     name: str = ""  # Key in JSON
 
     @property
+    def assumed(self) -> bool:
+        """Whether its size is that of ordinary equipment, which a user could state."""
+        return bool(self.quantity.option) and self.prior.source is PriorSource.DEFAULT
+
+    @property
     def described(self) -> Description:
         """The quantity for readers, with its actuator if there are several."""
         return (

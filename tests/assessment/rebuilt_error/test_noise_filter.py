@@ -93,5 +93,5 @@ def test_the_interval_holds_the_error_with_and_without_its_delay_until_filters_a
     )
     assert error.rebuilt.rms.low < bare.rebuilt.rms.value < 0.7 * error.rebuilt.rms.value
     assert stated_values.rebuilt.rms.low > bare.rebuilt.rms.value
-    assert "open_filter" in error.sizes
-    assert "open_filter" not in stated_values.sizes
+    assert "open_filter" in error.rebuilt.inferred.sizes
+    assert "open_filter" not in stated_values.rebuilt.inferred.sizes
