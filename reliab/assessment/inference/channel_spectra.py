@@ -77,7 +77,7 @@ class ChannelSpectra:
 
         `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
         [Hz], above which no noise is left to be read; `resolution`: step of the converters of the measured
-        displacements [m], where the readings do not show it. Rounding counts as white noise.
+        displacements [m], where the readings do not show it.
         """
         frequencies, ratios, _ = partition.modes
         lowest = float(frequencies[0])
@@ -89,9 +89,12 @@ class ChannelSpectra:
             decay=float(np.min(2.0 * np.pi * frequencies * ratios)),
         )
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
-        noise = np.array([white_noise(row, time_step, band.flat, corner) for row in measured_displacement])
-        steps = np.array([max(converter_step(row), resolution) for row in measured_displacement])
-        noise = np.maximum(noise, steps**2 / 12.0)
+        noise = np.array(
+            [
+                max(white_noise(row, time_step, band.flat, corner), rounding_noise(row, resolution))
+                for row in measured_displacement
+            ]
+        )
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
         tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
@@ -161,6 +164,17 @@ def white_noise(values: Array, time_step: float, edge: float, corner: float | No
     if tail.size < _FEWEST_BINS:
         tail = power[frequency > 0.8 * nyquist]
     return float(np.median(tail) / np.log(2.0))
+
+
+def rounding_noise(values: Array, resolution: float) -> float:
+    """Variance of a sample of white noise that is as strong as rounding is within a slow motion's band.
+
+    `resolution`: step of the converter where the readings do not show it. Rounding errors repeat from step to
+    step: their power, Δ²/12, lies below the frequency at which readings change.
+    """
+    step = max(converter_step(values), resolution)
+    changes = int(np.count_nonzero(np.diff(values))) + 1
+    return step**2 / 12.0 * max(0.5 * values.size / changes, 1.0)
 
 
 def _remove_noise(

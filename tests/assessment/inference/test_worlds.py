@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rebuilt_error.by_transform import respond_spectrally
 
-from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.channel_spectra import ChannelSpectra, rounding_noise
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.rebuilt import LinearTest
 from reliab.structures.partition import Partition
@@ -68,15 +68,15 @@ def test_an_error_at_the_first_sample_is_a_free_vibration():
     assert change[later] == pytest.approx((1e-3 * slow + 2e-3 * fast)[later], abs=4e-5)
 
 
-def test_rounding_is_noise_of_its_variance():
-    """Of a slow motion without noise, whose rounding does not reach the frequencies above it."""
-    step = 5e-3
-    read = step * np.round(MEASURED / step)
-    channels = [
-        ChannelSpectra.from_channels(COMMAND[np.newaxis], row[np.newaxis], STEP, STRUCTURE, resolution=stated)
-        for row, stated in ((read, 0.0), (MEASURED, step), (MEASURED, 0.0))
-    ]
-    shown, stated, none = (float(single.noise[0]) for single in channels)
-    assert shown == pytest.approx(np.var(read - MEASURED), rel=0.2)
-    assert stated == pytest.approx(shown)
-    assert none < 0.01 * stated
+@pytest.mark.parametrize("step", [2e-5, 5e-4, 2e-3])
+def test_rounding_is_noise_of_its_strength_within_the_band(step):
+    """A white noise of this variance is about as strong below the highest frequency of the motion."""
+    time = np.arange(0.0, 40.0, 1.0 / 1024.0)
+    motion = 0.02 * np.sin(2.0 * np.pi * time) * np.sin(0.2 * time)
+    read = step * np.round(motion / step)
+    power = np.abs(np.fft.rfft(read - motion)) ** 2 / time.size
+    is_inside = np.fft.rfftfreq(time.size, 1.0 / 1024.0) < 10.0
+    strength = rounding_noise(read, 0.0)
+    assert 0.3 < strength / power[is_inside].mean() < 3.0
+    assert rounding_noise(motion, step) >= step**2 / 12.0
+    assert rounding_noise(motion, 0.0) == 0.0
