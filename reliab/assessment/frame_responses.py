@@ -225,19 +225,15 @@ def _response(sizes: Array, draws: Array, kind: str, name: str) -> ResponseError
     """Error of one response from RMS, largest deviation and peak, (3,), and those of draws, (draws, 3)."""
 
     def estimates(values: Array, unit: float | None) -> list[Estimate]:
-        errors = _error_draws(draws, unit)
-        metrics = zip((Metric.RMS, Metric.MTE), values.tolist(), strict=True)
-        return [errors.estimate(metric, value) for metric, value in metrics]
+        rms, largest, peak = draws.T
+        scale = peak if unit is None else unit
+        errors = ErrorDraws(
+            rms=rms / scale, mte=largest / scale, weights=np.ones(rms.size), values=tuple(values.tolist())
+        )
+        return [errors.estimate(metric) for metric in (Metric.RMS, Metric.MTE)]
 
     rms_mm, peak_mm = estimates(MILLI * sizes[:2], 1.0 / MILLI)
     rms = mte = None
     if np.isfinite(sizes[2]):
         rms, mte = estimates(sizes[:2] / sizes[2], None)
     return ResponseError(name=f"{kind} {name}", kind=kind, rms_mm=rms_mm, peak_mm=peak_mm, rms=rms, mte=mte)
-
-
-def _error_draws(draws: Array, unit: float | None) -> ErrorDraws:
-    """Draws of a response's RMS and largest deviation over a length [m], or over its peak in each draw."""
-    rms, largest, peak = draws.T
-    scale = peak if unit is None else unit
-    return ErrorDraws(rms=rms / scale, mte=largest / scale, weights=np.ones(rms.size))

@@ -204,8 +204,8 @@ def infer_errors(
         channels = replace(channels, drift_size=np.zeros(1))
         circumstances = replace(circumstances, channels=channels, specimen_force=False)
     posterior = infer(circumstances, draws=draws, seed=seed, from_channels=test is None)
-    test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
     errors = draw_errors(posterior, test)
+    test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
     return InferredError(posterior=posterior, test=test, errors=errors, every=stride)
 
 

@@ -56,9 +56,12 @@ class ErrorsOfTest:
 def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, seed: int = 0) -> ErrorsOfTest:
     """Rebuild the error in every draw of a posterior.
 
-    `test`: of a linear structure by default; `seed`: of the noise of the sensors.
+    `test`: with a specimen that is simulated, whose errors are those of the most probable world with an
+    interval around them, since single draws may be far off; of a linear structure by default; `seed`: of the
+    noise of the sensors.
     """
     channels, partition = posterior.circumstances.channels, posterior.circumstances.partition
+    centre = None if test is None else test.solve(posterior.mode)
     test = test or LinearTest(channels=channels, partition=partition)
     weights = posterior.draws.weights
     rms, mte = np.empty((2, weights.size, partition.degrees))
@@ -74,15 +77,19 @@ def draw_errors(posterior: TestPosterior, test: TestedStructure | None = None, s
         mean += weights[draw] * histories[0]
         square += weights[draw] * histories[0] ** 2
         solution_mean += weights[draw] * solution
-    on_record = test.on_record(solution_mean)
-    deviation = np.sqrt(np.maximum(square - mean**2, 0.0))
-    factors = _between_samples(test.histories(solution_mean), on_record)
+    solution = solution_mean if centre is None else centre
+    histories, on_record = test.histories(solution), test.on_record(solution)
+    middle = mean if centre is None else histories[0]
+    deviation = np.sqrt(np.maximum(square - 2.0 * mean * middle + middle**2, 0.0))
+    factors = _between_samples(histories, on_record)
+    values = factors * np.stack(relative_errors(*histories))
     return ErrorsOfTest(
         displacements=tuple(
             ErrorDraws(
                 rms=factors[0, place] * rms[:, place],
                 mte=factors[1, place] * mte[:, place],
                 weights=weights * weights.size,
+                values=None if centre is None else tuple(values[:, place].tolist()),
             )
             for place in range(partition.degrees)
         ),

@@ -131,7 +131,6 @@ class _Draw:
 class LearnedTest(SimulatedTest):
     """A test with all that was learned of its specimen."""
 
-    measured: Array  # x_m without noise [m], shape (m,)
     path: MeasuredPath
     whole: Partition  # The structure with its specimen as stated [kg, N·s/m, N/m]
     feedback_lag: float  # Time by which the force was fed back late [s]
@@ -139,6 +138,11 @@ class LearnedTest(SimulatedTest):
     added: Array  # What a unit of lag, mass and friction adds to the recorded force [N], shape (3, m)
     learned: tuple[LearnedSpecimen, ...]  # The best first
     seed: int  # Of draws of the specimen
+
+    @cached_property
+    def measured(self) -> Array:
+        """x_m without noise [m], shape (m,)."""
+        return self.displacement(Experiment.as_stated(actuators=1))
 
     @cached_property
     def weights(self) -> Array:

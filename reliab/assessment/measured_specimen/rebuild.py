@@ -220,7 +220,6 @@ def rebuild_learned(
             channels=readings.channels,
             recorded_command=command,
             every=stride,
-            measured=thin.measured,
             path=path,
             whole=structure,
             feedback_lag=circumstances.feedback_lag,

@@ -39,16 +39,18 @@ class ErrorDraws:
     rms: Array  # rms, mte: RMS^R and MTE^R [-], shape (draws,)
     mte: Array
     weights: Array  # Of the draws, their mean is one, shape (draws,)
+    values: tuple[float, float] | None = None  # RMS^R and MTE^R that are stated; the medians by default
 
     def errors(self, metric: Metric) -> Array:
         """RMS^R or MTE^R of the draws [-], shape (draws,)."""
         return self.rms if Metric(metric) is Metric.RMS else self.mte
 
-    def estimate(self, metric: Metric, value: float | None = None) -> Estimate:
-        """Return the median of RMS^R or MTE^R with its 90 % interval, which holds a value in its place."""
+    def estimate(self, metric: Metric) -> Estimate:
+        """Return RMS^R or MTE^R with its 90 % interval, which holds the value."""
         median, low, high = weighted_quantiles(self.errors(metric), self.weights, 0.5, *ENDS)
-        if value is None:
+        if self.values is None:
             return Estimate(value=median, low=low, high=high)
+        value = self.values[Metric(metric) is not Metric.RMS]
         return Estimate(value=value, low=min(low, value), high=max(high, value))
 
     def probability_below(self, threshold: float, metric: Metric) -> float:

@@ -49,7 +49,7 @@ def model(**changes):
 def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     linear = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=4)
-    assert model_error.rms.value == pytest.approx(linear.rms.value, rel=1e-3)
+    assert model_error.rms.value == pytest.approx(linear.rms.value, rel=3e-3)
     assert model_error.mte.value == pytest.approx(linear.mte.value, rel=2e-3)
     monitor = Monitor(STRUCTURE, STEP)
     monitor.feed(outcome.command, outcome.measured)
