@@ -30,19 +30,18 @@ def _branch(motion: Numbers, _time: float, step: float, coefficients: Numbers, s
 def _two_branches(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
     # State: started, x, displacements q of both dashpots. The second branch has the time r·T.
     x = motion[0]
-    force, time = 0.0, coefficients[1]
-    for place in range(2):
-        ratio = step / time
-        decay = math.exp(-ratio)
-        late = 1.0 - (1.0 - decay) / ratio
-        if state[0] == 0.0:
-            state[2 + place] = x
-        else:
-            state[2 + place] = decay * state[2 + place] + (1.0 - decay - late) * state[1] + late * x
-        force += coefficients[2 * place] * (x - state[2 + place])
-        time *= coefficients[3]
+    ratio = step / coefficients[1]
+    second_ratio = ratio / coefficients[3]
+    decay, second_decay = math.exp(-ratio), math.exp(-second_ratio)
+    late = 1.0 - (1.0 - decay) / ratio
+    second_late = 1.0 - (1.0 - second_decay) / second_ratio
+    if state[0] == 0.0:
+        state[2], state[3] = x, x
+    else:
+        state[2] = decay * state[2] + (1.0 - decay - late) * state[1] + late * x
+        state[3] = second_decay * state[3] + (1.0 - second_decay - second_late) * state[1] + second_late * x
     state[0], state[1] = 1.0, x
-    return force
+    return coefficients[0] * (x - state[2]) + coefficients[2] * (x - state[3])
 
 
 @dataclass(frozen=True, kw_only=True)

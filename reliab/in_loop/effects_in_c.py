@@ -10,6 +10,7 @@ import inspect
 import math
 import textwrap
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any, Final
 
 from reliab.core.errors import InputError
@@ -208,7 +209,10 @@ class _Function:
     def _call(self, node: ast.Call) -> str:
         if node.keywords:
             raise _NotTranslatedError(f"`{ast.unparse(node)}` has no form in C")
-        return f"{self._write_call(node.func)}({', '.join(map(self._value, node.args))})"
+        function, values = self._write_call(node.func), [self._value(value) for value in node.args]
+        if function in ("smaller", "larger"):  # of two values each
+            return reduce(lambda first, second: f"{function}({first}, {second})", values)
+        return f"{function}({', '.join(values)})"
 
     def _symbol(self, name: str) -> str:
         if name in self._locals or name in self._arguments:

@@ -210,6 +210,23 @@ def effects(kind, peak, stiffness, frequency):
         "hysteresis": yields,
         "degrading_hysteresis": {**yields, "stiffness_loss": 0.02, "strength_loss": 0.02, "slip": 0.5},
         "hysteresis_with_play": {**yields, "width_m": 0.05 * peak, "asymmetry": 0.2},
+        "magnetorheological_damper": {
+            "force_n": 0.2 * force,
+            "displacement_m": 0.2 * peak,
+            "gamma": 0.5,
+            "exponent": 2.0,
+            "damping_n_s_per_m": 0.05 * stiffness / frequency,
+            "series_damping_n_s_per_m": 2.0 * stiffness / frequency,
+        },
+        "viscoelastic_branch": {"stiffness_n_per_m": 0.2 * stiffness, "time_s": 0.5 / frequency},
+        "two_viscoelastic_branches": {
+            "stiffness_n_per_m": 0.2 * stiffness,
+            "time_s": 0.5 / frequency,
+            "second_stiffness_n_per_m": 0.1 * stiffness,
+            "time_ratio": 5.0,
+        },
+        "softening": {"lost_n_per_m": 0.2 * stiffness, "power": 1.0},
+        "damage": {"lost_n_per_m": 0.1 * stiffness, "power": 1.0, "damage_n_per_m2": 0.1 * stiffness / peak},
         "added_mass": {"mass_kg": 0.1 * stiffness / frequency**2},
         "gap": {"gap_m": 0.1 * peak},
     }

@@ -54,7 +54,7 @@ def test_the_report_tells_the_audit(parts, text_of):
     )
     numbers = audit(ellipses=ellipses, example=example, cases=cases).set_index(["item", "quantity"])
     rows = int(numbers.loc[("Table 2", "rows within 10 % in a and b"), "from_records"])
-    assert f"So do {rows} of the 100 rows of Table 2" in text
+    assert f"So are {rows} of the 100 rows of Table 2" in text
     assert "24 and 28 sets of two components are 104" in text
     assert "of the peak of the exact response, over the whole record" in text
     assert "Zhu et al." in text
