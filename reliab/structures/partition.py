@@ -42,7 +42,6 @@ _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
 _FEWEST_TO_REDUCE = 6  # degrees of freedom that are too few to be reduced
 _LEAST_SHARE = 1e-6
-_MOVES = 1e-6  # of a mode's largest displacement: less at the interface is none
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -450,16 +449,6 @@ class Partition:
             specimen_damping=self.specimen_damping * (frequency * share),
             specimen_mass=self.specimen_mass * share,
         )
-
-    @property
-    def first_mode(self) -> Array:
-        """Shape of the lowest undamped mode that moves the interface, at most by one, shape (n,)."""
-        for shape in scipy.linalg.eigh(self.stiffness, self.mass)[1].T:
-            interface_displacement = max(self.interface.T @ shape, key=abs)
-            if abs(interface_displacement) > _MOVES * np.abs(shape).max():
-                return np.asarray(shape / interface_displacement)
-        interface = self.interface[:, 0]
-        return np.asarray(interface / float(interface @ interface))
 
     def error_transfer(self, s: Spectrum) -> Spectrum:
         """Transfer function from x_c − x_m to the interface's error, Γᵀ(M s² + C s + K)⁻¹Γ Z(s).

@@ -189,18 +189,6 @@ def test_impossible_structure_is_refused(changes, rule):
         replace(Partition.from_structure(STRUCTURE), **changes)
 
 
-def test_structure_with_unmoved_interface_is_pushed_as_a_whole():
-    """With an interface that nothing moves there is no mode to find: the interface itself is the shape."""
-    two = Partition(
-        mass=np.eye(2),
-        damping=np.zeros((2, 2)),
-        stiffness=np.diag([1.0, 4.0]),
-        interface=np.array([1e-9, 0.0]),
-        specimen_stiffness=1.0,
-    )
-    assert two.first_mode @ two.interface[:, 0] == pytest.approx(1.0)
-
-
 def test_a_frame_of_one_degree_of_freedom_is_its_structure():
     spring = Specimen(stiffness=5.0 * STRUCTURE.experimental_fraction * STRUCTURE.circular_frequency**2)
     full_test = Partition.from_frame(Frame.from_structure(STRUCTURE, mass=5.0), np.ones(1), spring)

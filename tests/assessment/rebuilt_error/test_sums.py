@@ -105,17 +105,6 @@ def test_damping_of_the_first_mode_does_not_depend_on_the_mass(mass):
     assert mode.forgetting ** (3.0 * mode.samples) == pytest.approx(np.exp(-1.0))
 
 
-def test_first_mode_is_the_lowest_with_unit_interface_motion():
-    still = Partition(
-        mass=np.diag([2.0, 1.0]),
-        damping=np.zeros((2, 2)),
-        stiffness=np.diag([2.0, 100.0]),
-        interface=np.array([0.0, 2.0]),
-        specimen_stiffness=25.0,
-    )
-    assert still.first_mode == pytest.approx([0.0, 0.5])
-
-
 def test_remainder_of_gain_and_delay_is_the_constant(histories):
     command, _ = histories
     velocity = np.gradient(command, STEP)
