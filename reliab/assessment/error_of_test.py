@@ -291,7 +291,9 @@ def error_of_test(
         step,
         structure,
         ground=recording.ground if question.linear else None,
-        force=None if recording.force is None or question.mass is None else recording.force / question.mass,
+        force=recording.force / question.mass
+        if question.linear and recording.force is not None and question.mass is not None
+        else None,
         sensor_offset=0.0 if 0 in known_offsets else None,
         resolution=question.resolution,
     )

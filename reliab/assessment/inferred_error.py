@@ -200,8 +200,9 @@ def infer_errors(
     channels show nothing of what is uncertain; linear by default.
     """
     if test is not None:
-        channels = replace(circumstances.channels, ground=None, force=None, initial_size=0.0)
-        channels = replace(channels, drift_size=np.zeros(1))
+        channels = replace(
+            circumstances.channels, ground=None, force=None, initial_size=0.0, drift_size=np.zeros(1)
+        )
         circumstances = replace(circumstances, channels=channels, specimen_force=False)
     posterior = infer(circumstances, draws=draws, seed=seed, from_channels=test is None)
     errors = draw_errors(posterior, test)

@@ -10,6 +10,26 @@ equation, driven only by the restoring force that was wrong ::
 
 Neither the ground motion nor a reference is needed, and the actuator may do anything. The equation holds for
 a linear structure with the stated properties (derivation: subtract the two equations of motion).
+
+Use it so ::
+
+    error = rebuild(command, measured, time_step, structure, tolerances=Tolerances(frequency=0.01))
+    error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte likewise
+    error.probability(threshold, metric)                P(error < threshold), capped by the draws
+    error.error, error.smooth_error, error.reference    x_m − x_I and x_I [m], shape (n,)
+    error.low, error.high                               90 % band of x_m − x_I [m], shape (n,)
+    error.parts()                                       Parts: gain, delay, first, by_name[...] with share,
+                                                        rms, remaining_rms, remaining_mte, history;
+                                                        rms_over_time(...)
+    error.widenings(metric)                             what widens the interval, widest first
+    error.start.offset, error.noise.white               the sensor's offset and noise [m]
+
+What is assumed: the structure is linear with the stated properties (or its specimen has a model), the command
+solves its equation of motion, and the fed-back force is that of the piston's true displacement, without the
+sensor's noise and offset. An offset that the sensor shows before the test moves is the sensor's and is taken
+away; `sensor_offset=0.0` says that the loop felt it. A sensor with a wrong scale, a channel that is shifted
+in time, or a force that is fed back late looks exactly like an actuator error: state a tolerance for each,
+and the interval includes it.
 """
 
 from collections.abc import Iterator
