@@ -231,7 +231,7 @@ def grouped_ellipses():
     """Ellipses of 60 motions of 20 earthquakes at six structures, skewed, correlated and grouped."""
     import xarray as xr
 
-    from reliab.criterion.scaling import scales
+    from reliab.criterion.laws.law import scales
 
     rng = np.random.default_rng(2017)
     f, xi = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.05])

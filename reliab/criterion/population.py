@@ -20,10 +20,9 @@ from reliab.criterion.ellipse_sample import (
     sample_of,
 )
 from reliab.criterion.ellipse_table import Ellipses, as_table
-from reliab.criterion.laws.law import Validity, validate_grid
+from reliab.criterion.laws.law import Validity, scales, validate_grid
 from reliab.criterion.laws.table import tents
 from reliab.criterion.motion_predictive import MotionPredictive
-from reliab.criterion.scaling import scales
 
 _DIGITS = 5
 _LARGEST_LOGARITHM = 300.0  # whose exponential is still a number, as is its square

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI
-from reliab.criterion.scaling import scales
+from reliab.criterion.laws.law import scales
 from reliab.tracking.boundary.finite_errors import DIRECTIONS, ratio_of_delays
 
 if TYPE_CHECKING:

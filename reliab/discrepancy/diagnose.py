@@ -27,8 +27,15 @@ from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.spectra.segment import Segment, cut_segments, skip_end, skip_transient
-from reliab.discrepancy.spectra.smoothing import motions_of, scales_of, smooth_motion
+from reliab.discrepancy.spectra.segment import (
+    Segment,
+    cut_segments,
+    motions_of,
+    scales_of,
+    skip_end,
+    skip_transient,
+    smooth_motion,
+)
 from reliab.discrepancy.terms import ClockOffset, LateGround, lag_of
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel

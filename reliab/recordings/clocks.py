@@ -19,7 +19,7 @@ from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
 from reliab.core.text_tables import missing_mark
 from reliab.core.vocabulary import MILLI
-from reliab.recordings.holds import Hold, find_hold
+from reliab.recordings.behaviour import Hold, find_hold
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.attributes import RATES, STEPS, plain
 from reliab.recordings.readers.columns import Columns, seconds_between

@@ -12,8 +12,8 @@ from reliab.core.errors import InputError, naming
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import counted, significant
 from reliab.core.vocabulary import MILLI
+from reliab.recordings.behaviour import find_hold
 from reliab.recordings.following import Rows
-from reliab.recordings.holds import find_hold
 from reliab.recordings.recording import DISPLACEMENTS
 from reliab.recordings.zero import extent_of_test, zero_of
 

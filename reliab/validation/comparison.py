@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.distributions import DISTRIBUTIONS, Distribution, Lognormal
-from reliab.criterion.laws.law import Law
+from reliab.criterion.laws.law import Law, scales
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, FittedLaw
 from reliab.criterion.methods.method import Scatter
 from reliab.criterion.population import Population
-from reliab.criterion.scaling import scales
 
 TAIL = 0.05
 """The quantile by which tails are judged, that of a criterion at 95 %."""

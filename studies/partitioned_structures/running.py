@@ -27,7 +27,7 @@ from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.guo_2017 import Equation18
 from reliab.motions.motion import Motion
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames.governing_mode import governing_mode, place_of_governing_mode
+from reliab.simulation.frames.frame_file import governing_mode, place_of_governing_mode
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.critical_delay import stability_limit

@@ -17,8 +17,7 @@ from reliab.effects.registry import find_effect
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
-from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
-from reliab.simulation.frames.governing_mode import governing_mode
+from reliab.simulation.frames.frame_file import FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.frame import Frame, modal_damping, reference_response

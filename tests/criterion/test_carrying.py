@@ -7,7 +7,7 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_to_suite
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.scaling import scales
+from reliab.criterion.laws.law import scales
 
 F, XI, THRESHOLD = np.array([0.5, 1.0, 2.0]), np.array([0.02, 0.05]), 0.05
 EVENTS, OF_EVENT = 40, 3

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings, strategies as st
 
+from reliab.app.api.derived_criteria import summarise
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
 from reliab.criterion.criterion import Criterion
@@ -19,7 +20,6 @@ from reliab.criterion.methods.method import BoundMethod, limits
 from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
 from reliab.criterion.published import published_criterion
-from reliab.criterion.summary import summarise
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 

@@ -6,9 +6,9 @@ import xarray as xr
 from scipy import stats
 
 from reliab.core.errors import InputError
+from reliab.criterion.laws.law import scales
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.population import Population, SampleGrid
-from reliab.criterion.scaling import scales
 
 
 def dataset(frequencies, damping_ratios, *, motions=400, correlation=0.95, seed=1):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.acting import exceeds_rounding, takes_over_delay
+from reliab.discrepancy.fitting.screening import exceeds_rounding, takes_over_delay
 from reliab.effects.registry import find_effect
 
 BACKLASH, LAG, STOP = (find_effect(name) for name in ("backlash", "first_order_lag", "stroke_saturation"))

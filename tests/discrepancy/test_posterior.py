@@ -10,6 +10,7 @@ from reliab.discrepancy.adding.posterior import (
     ENOUGH,
     LikelihoodSurface,
     agreement_of,
+    draw_by_importance,
     sample_posterior,
 )
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
@@ -17,10 +18,8 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.fit import fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
-from reliab.discrepancy.spectra.segment import cut_segments
-from reliab.discrepancy.spectra.smoothing import motions_of, scales_of
+from reliab.discrepancy.spectra.segment import cut_segments, motions_of, scales_of
 from reliab.effects.registry import find_effect
-from reliab.sampling.importance import draw_by_importance
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load

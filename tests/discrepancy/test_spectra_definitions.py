@@ -10,10 +10,10 @@ from reliab.discrepancy.spectra.segment import (
     _value_and_slope,
     cut_segments,
     energy_of,
+    highest_frequency,
     skip_end,
     skip_transient,
 )
-from reliab.discrepancy.spectra.smoothing import highest_frequency
 from reliab.signals import wiener
 from reliab.signals.noise import NoiseModel
 from reliab.signals.wiener import _average, _share, _spectra, harmonics_up_to, reliable_frequency

@@ -35,7 +35,7 @@ _READERS = (
     *("reliab.discrepancy.campaign", "reliab.study.running", "reliab.study.description", "reliab.core.files"),
     *(
         "reliab.criterion.ellipse_reading",
-        "reliab.criterion.criterion_file",
+        "reliab.criterion.criterion",
         "reliab.simulation.frames.frame_file",
     ),
     *("reliab.simulation.frames.frame_tables", "reliab.simulation.hybrid_test.model_file"),

@@ -6,9 +6,9 @@ import pytest
 
 import reliab
 from reliab.core.errors import InputError
+from reliab.recordings.behaviour import find_hold
 from reliab.recordings.followed_rows import rows_at_equal_steps
 from reliab.recordings.following import Rows
-from reliab.recordings.holds import find_hold
 from reliab.recordings.reading import read_recording
 from reliab.recordings.recording import Recording
 from reliab.recordings.spikes import remove_spikes, spikes

@@ -10,9 +10,8 @@ import typst
 from matplotlib.figure import Figure as Drawing
 
 from reliab.core.errors import InputError
-from reliab.report.content import files_of
+from reliab.report.content import TERMS, files_of, glossary_of
 from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
-from reliab.report.glossary import TERMS, glossary_of
 from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import plain_text
 from reliab.report.setting import ReportSetting

@@ -9,8 +9,7 @@ from reliab import load_motions
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.motions.synthetic.suite import synthetic_suite
-from reliab.simulation.frames.frame_file import FrameUnderTest, frame_of_tables
-from reliab.simulation.frames.governing_mode import governing_mode
+from reliab.simulation.frames.frame_file import FrameUnderTest, frame_of_tables, governing_mode
 from reliab.structures.frame import Frame
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen, floor_interface

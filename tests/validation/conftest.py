@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
-from reliab.criterion.scaling import scales
+from reliab.criterion.laws.law import scales
 
 
 def _draw_motions(*, events: int, frequencies=(1.0,), skewness=0.0, seed=0) -> xr.Dataset:

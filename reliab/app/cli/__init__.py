@@ -69,6 +69,7 @@ _MODULES = {
     **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
     **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
     **dict.fromkeys(("compare", "extrapolate"), "reliab.app.cli.assess"),
+    "calibrate": "reliab.app.cli.record",
     "ellipses": "reliab.app.cli.simulate",
     "explore": "reliab.app.cli.design",
     "desk": "reliab.desk.command",

@@ -1,4 +1,4 @@
-"""`reliab record`: any laboratory's file as one open record, or what is wrong with one."""
+"""`reliab record` and `calibrate`: a laboratory's file as an open record, and what its channels add."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypedDict
@@ -7,15 +7,20 @@ import typer
 
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
-from reliab.app.cli.output import console, say, show_rows, write_json
+from reliab.app.cli.output import console, say, show_rows, show_table, write_json
 from reliab.app.declaration import argument, group
 from reliab.app.options import OUTPUT, TEST
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
+from reliab.core.significant_digits import decimals_of_uncertainty, significant
+from reliab.core.vocabulary import MILLI
 from reliab.sweep.several import Names
 
 if TYPE_CHECKING:
     from reliab.app.api.records import Record
+    from reliab.core.stated_value import StatedValue
+    from reliab.recordings.calibration import ChannelCalibration
+
 
 _COLUMNS: Columns = {
     "channel": ("channel", ""),
@@ -121,3 +126,44 @@ def _show(record: "Record") -> None:
         say(f"Not used: {', '.join(content['left'])}.")
     say(*(f"Note: {note}" for note in content["notes"]))
     say(*(f"Written: {path}" for path in content["files"]))
+
+
+_UNDETERMINED = 10.0  # times the value: a deviation from which nothing is known of it
+
+
+@takes(questions.CalibrationQuestion, questions.CalibrationFile)
+def calibrate(request: Request) -> None:
+    """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
+    from reliab.app.api.records import calibrate as api_calibrate
+
+    request.answer(api_calibrate, _show_calibration)
+
+
+def _show_calibration(calibration: "ChannelCalibration") -> None:
+    quantities = {
+        "delay behind the command's channel [ms]": calibration.skew_ms,
+        "scale relative to the command's channel [-]": calibration.scale,
+        "hysteresis over the range of the motion [-]": calibration.hysteresis,
+    }
+    lengths = {
+        "noise of the measured channel, RMS [mm]": calibration.noise_m,
+        "noise of the command's channel, RMS [mm]": calibration.command_noise_m,
+        "step between readings [mm]": calibration.resolution_m,
+    }
+    show_table(
+        "What the measured channel adds to the motion",
+        {"": "left", "value": "right", "± 1 sd": "right"},
+        [(name, *_cells(quantity)) for name, quantity in quantities.items()]
+        + [
+            (name, significant(MILLI * length, 2) if length else "none", "")
+            for name, length in lengths.items()
+        ],
+    )
+    say(*(f"Note: {note}" for note in calibration.notes))
+
+
+def _cells(quantity: "StatedValue | None") -> tuple[str, str]:
+    if quantity is None or quantity.deviation > _UNDETERMINED * abs(quantity.value):
+        return "not determined", ""
+    decimals = decimals_of_uncertainty(quantity.deviation)
+    return f"{quantity.value:.{decimals}f}", f"{quantity.deviation:.{decimals}f}"

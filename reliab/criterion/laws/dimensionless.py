@@ -6,8 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.criterion.laws.law import Limits, LogLinearLaw
-from reliab.criterion.scaling import scales
+from reliab.criterion.laws.law import Limits, LogLinearLaw, scales
 
 _REFERENCE_DAMPING = 0.05
 

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reliab.core.arrays import Array
-from reliab.criterion.laws.law import Law, Limits, Validity, validate_grid, validate_limits
-from reliab.criterion.scaling import scales
+from reliab.criterion.laws.law import Law, Limits, Validity, scales, validate_grid, validate_limits
 
 
 def tents(nodes: Array, x: Array) -> Array:

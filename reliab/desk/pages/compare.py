@@ -2,7 +2,7 @@
 
 from reliab.core.errors import InputError
 from reliab.desk.elements import KNOWING, button, copyable, dropper, field, html
-from reliab.desk.filed_page import FiledPage
+from reliab.desk.page import FiledPage
 from reliab.desk.questions import command_line, select_filled
 from reliab.desk.work import compare
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from reliab.core.errors import InputError
 from reliab.desk.elements import button, choice, dropper
-from reliab.desk.filed_page import FiledPage
 from reliab.desk.folder import unpack_archive
 from reliab.desk.jobs import Job
+from reliab.desk.page import FiledPage
 from reliab.desk.work import diagnose
 
 _SHIPPED_CAMPAIGNS = ("rig_a", "rig_b", "rig_c")

@@ -4,8 +4,7 @@ import panel as pn
 
 from reliab.core.shipped import shipped
 from reliab.desk.elements import button, choice, field, html
-from reliab.desk.filed_page import FiledPage
-from reliab.desk.page import Page
+from reliab.desk.page import FiledPage, Page
 from reliab.desk.questions import select_filled
 from reliab.desk.work import show_rig
 

@@ -42,7 +42,7 @@ from reliab.recordings.channels_file import ChannelTables, read_declarations
 from reliab.recordings.reading import ChannelHistories, histories_of, read_test
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
-from reliab.simulation.hybrid_test.model_tables import ActuatorTable, ModelPart, SpecimenTable, StructureTable
+from reliab.simulation.hybrid_test.model_file import ActuatorTable, ModelPart, SpecimenTable, StructureTable
 from reliab.structures.partition import Partition
 
 _CHANNELS: Final[Mapping[str, Channel]] = {

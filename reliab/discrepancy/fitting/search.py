@@ -8,13 +8,20 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.acting import LIMITS, acts, exceeds_rounding, takes_over_delay
 from reliab.discrepancy.fitting.fit import Fit, fit, refine_fit, reweight_fit, sharpen_fit
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_spread
 from reliab.discrepancy.fitting.prior import COST, GENERAL_COST, cost
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.screening import Promise, line_terms, screen_effects
+from reliab.discrepancy.fitting.screening import (
+    LIMITS,
+    Promise,
+    acts,
+    exceeds_rounding,
+    line_terms,
+    screen_effects,
+    takes_over_delay,
+)
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.terms import ClockOffset, LateGround
 from reliab.effects.effect import Effect

@@ -8,7 +8,7 @@ from typing import Final
 from reliab.core.errors import InputError, naming
 from reliab.core.files import LIMITS, decoding, ordinary
 from reliab.core.registry import Registry
-from reliab.recordings.readers import hierarchical, lvm, matlab, matlab_4, tdms, text
+from reliab.recordings.readers import hierarchical, lvm, matlab, tdms, text
 from reliab.recordings.readers.columns import Columns
 
 _HEAD: Final = 1024  # bytes
@@ -31,7 +31,7 @@ _BUILT_IN = (
         read=hierarchical.read_hierarchical,
     ),
     Format(name="MATLAB 5 to 7.2", recognises=matlab.recognises, read=matlab.read_matlab),
-    Format(name="MATLAB 4", recognises=matlab_4.recognises, read=matlab_4.read_matlab_4),
+    Format(name="MATLAB 4", recognises=matlab.recognises_matlab_4, read=matlab.read_matlab_4),
     Format(name="TDMS", recognises=tdms.recognises, read=tdms.read_tdms),
     Format(name="classic NetCDF", recognises=hierarchical.recognises_classic, read=hierarchical.read_classic),
     Format(name="LabVIEW measurement", recognises=lvm.recognises, read=lvm.read_lvm),

@@ -17,7 +17,7 @@ from reliab.simulation.deviation import Deviation
 from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.exact_loop import ExactLoop, RigResponse
-from reliab.simulation.frames.governing_mode import governing_mode, scale_of_errors
+from reliab.simulation.frames.frame_file import governing_mode, scale_of_errors
 from reliab.simulation.frames.reduced_loop import ReducedLoop
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem
 from reliab.structures.partition import Partition

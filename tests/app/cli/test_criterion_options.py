@@ -13,9 +13,9 @@ from reliab.app.cli.criterion import criterion
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.criterion.distributions import DISTRIBUTIONS
+from reliab.criterion.laws.law import scales
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 from reliab.criterion.methods.registry import METHODS
-from reliab.criterion.scaling import scales
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite

@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from reliab.app.api.followed_test import Message
-from reliab.app.cli import calibrate, motions, validate
+from reliab.app.cli import motions, record, validate
 from reliab.app.cli.assess import show_several
 from reliab.app.cli.criterion import show_criteria
 from reliab.app.cli.design import show_design
@@ -288,7 +288,7 @@ def test_tolerable_errors_stand_below_their_headings_and_bars_are_as_long_as_the
 
 
 def test_calibrated_channels_stand_below_their_headings(tables):
-    calibrate._show(
+    record._show_calibration(
         SimpleNamespace(
             skew_ms=StatedValue(1.25, 0.05),
             scale=StatedValue(1.002, 0.0005),

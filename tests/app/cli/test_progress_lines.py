@@ -8,9 +8,8 @@ import time
 import pytest
 
 from reliab.app import cli
-from reliab.app.cli import progress_lines as module
-from reliab.app.cli.output import progress_bar
-from reliab.app.cli.progress_lines import duration, progress_lines
+from reliab.app.cli import output as module
+from reliab.app.cli.output import duration, progress_bar, progress_lines
 from reliab.core.progress import show_task, shows_tasks, silent
 from reliab.motions.loading import load_motions
 from reliab.motions.writing import write_suite

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.criterion.laws.law import validate_grid
+from reliab.criterion.laws.law import scales, validate_grid
 from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
 from reliab.criterion.laws.table import TabulatedLimits
-from reliab.criterion.scaling import scales
 
 F = np.array([0.25, 0.5, 1.0, 2.0])
 XI = np.array([0.02, 0.05, 0.1])

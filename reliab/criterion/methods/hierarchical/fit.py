@@ -21,6 +21,7 @@ from reliab.core.progress import Progress, silent
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Side
 from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
+from reliab.criterion.laws.law import scales
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import (
     EVENT,
@@ -35,7 +36,6 @@ from reliab.criterion.methods.hierarchical.strata import (
 )
 from reliab.criterion.methods.method import LearnedLimits, Scatter, validate_share
 from reliab.criterion.population import Population, SampleGrid
-from reliab.criterion.scaling import scales
 from reliab.sampling.ensembles import Ensembles, draw, width_of
 from reliab.sampling.laplace import Laplace
 from reliab.sampling.posterior_sample import PosteriorSample
