@@ -41,5 +41,5 @@ from .recordings.reading import read_recording as read_recording
 from .structures.structure import Structure as Structure
 from .study.running import write_report as write_report
 from .sweep.results import open_results as open_results
-from .validation.cross_validation.judge import cross_validate as cross_validate
+from .validation.judge import cross_validate as cross_validate
 from .version import __version__ as __version__

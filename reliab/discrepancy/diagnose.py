@@ -27,7 +27,7 @@ from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import diagnose_block
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.spectra.segment import (
+from reliab.discrepancy.segment import (
     Segment,
     cut_segments,
     motions_of,

@@ -12,7 +12,7 @@ from reliab.core.arrays import Array
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
-from reliab.discrepancy.spectra.segment import energy_of
+from reliab.discrepancy.segment import energy_of
 from reliab.signals.noise import converter_step, near_mains
 from reliab.signals.spectra import detrend, hann, periodogram
 

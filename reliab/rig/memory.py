@@ -12,8 +12,8 @@ from reliab.assessment.default_criterion import typical_ellipse
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
-from reliab.rig.learning.covariates import Covariates, places_in_day, warmth
-from reliab.rig.learning.learned import FittedQuantity, learn
+from reliab.rig.covariates import Covariates, places_in_day, warmth
+from reliab.rig.learned import FittedQuantity, learn
 from reliab.rig.rig_table import RigTable
 from reliab.rig.watching import drift_chart
 from reliab.structures.structure import Structure

@@ -11,8 +11,8 @@ from reliab.core.arrays import Array
 from reliab.core.plain_values import PlainResult
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI
-from reliab.rig.learning.covariates import Covariates
-from reliab.rig.learning.learned import FittedQuantity
+from reliab.rig.covariates import Covariates
+from reliab.rig.learned import FittedQuantity
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.rig_table import RigTable
 from reliab.simulation.engine import Loop

@@ -27,7 +27,7 @@ import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import PERCENT
-from reliab.rig.learning.covariates import places_in_day, warmth
+from reliab.rig.covariates import places_in_day, warmth
 
 _WIDE: Final = 5.0  # spread of odd tests
 _PRIOR_COUNTS: Final = (0.25, 25.0)  # odd tests, of so many, that are supposed before any is seen

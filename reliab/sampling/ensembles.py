@@ -16,8 +16,7 @@ from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import decoding, ordinary, written_whole
 from reliab.core.progress import Progress, silent
 from reliab.core.untrusted_files import objects_of, open_hdf5
-from reliab.sampling.laplace import Laplace
-from reliab.sampling.model import Model
+from reliab.sampling.model import Laplace, Model
 from reliab.sampling.posterior_sample import FEWEST_ENSEMBLES, PosteriorSample
 
 if TYPE_CHECKING:

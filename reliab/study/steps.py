@@ -34,15 +34,15 @@ from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.run import run_sweep
 from reliab.sweep.shares import select_share
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.counts import CrossValidation
-from reliab.validation.cross_validation.folds import folds_of
-from reliab.validation.cross_validation.judge import (
+from reliab.validation.counts import CrossValidation
+from reliab.validation.folds import folds_of
+from reliab.validation.judge import (
     Candidate,
     DerivedCandidate,
     PrintedCandidate,
     cross_validate,
 )
-from reliab.validation.cross_validation.truth import StoredTruth
+from reliab.validation.truth import StoredTruth
 
 RESULTS: Final = "results.zarr"
 SYNTHETIC: Final = "synthetic"

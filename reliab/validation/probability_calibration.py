@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from reliab.core.progress import Progress, silent
 from reliab.criterion.population import Population
-from reliab.validation.cross_validation.counts import event_bootstrap
-from reliab.validation.cross_validation.folds import folds_of
-from reliab.validation.cross_validation.truth import Cell, EllipseTruth, Truth, draw_trials
+from reliab.validation.counts import event_bootstrap
+from reliab.validation.folds import folds_of
+from reliab.validation.truth import Cell, EllipseTruth, Truth, draw_trials
 
 EDGES = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
 """Edges of the bins of stated probability."""

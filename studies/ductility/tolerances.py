@@ -23,7 +23,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse
-from reliab.validation.cross_validation.counts import event_bootstrap
+from reliab.validation.counts import event_bootstrap
 
 from .specimens import SPECIMENS, NonlinearSpecimen
 

@@ -21,7 +21,7 @@ from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.suite_boundary import motion_contours
-from reliab.validation.cross_validation.counts import event_bootstrap
+from reliab.validation.counts import event_bootstrap
 from reliab.validation.yielding import HARDENING
 
 REDUCTIONS: Final = (2.0, 4.0)

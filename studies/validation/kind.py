@@ -77,7 +77,7 @@ def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
     from reliab.report.kinds.criterion.report import no_criterion_report
     from reliab.report.sections.rates import rates_table
-    from reliab.validation.cross_validation.counts import tabulate
+    from reliab.validation.counts import tabulate
 
     from .report import validation_report
 

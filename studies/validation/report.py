@@ -50,7 +50,7 @@ def validation_report(
     `confidence`: the confidence that the verdict speaks of [-]; `experimental_fraction`: share of the
     stiffness in the laboratory [-]; `verdicts`: what became of simulated tests in the first division: columns
     `candidate`, `confidence`, `good_accepted`, `good_rejected`, `bad_accepted`, `bad_rejected`, as
-    :func:`reliab.validation.cross_validation.counts.tabulate` makes it; `threshold`: error up to which these
+    :func:`reliab.validation.counts.tabulate` makes it; `threshold`: error up to which these
     tests are good [-].
     """
     blocks = _rates(rates, confidence)

@@ -27,11 +27,11 @@ from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
 
 from reliab.core.errors import InputError  # noqa: E402
-from reliab.discrepancy.adding.adding import add  # noqa: E402
+from reliab.discrepancy.adding import add  # noqa: E402
 from reliab.discrepancy.campaign.reading import read_campaign  # noqa: E402
 from reliab.discrepancy.diagnose import diagnose  # noqa: E402
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis  # noqa: E402
-from reliab.discrepancy.spectra.segment import energy_of  # noqa: E402
+from reliab.discrepancy.segment import energy_of  # noqa: E402
 
 LIMIT = 10.0
 """Seconds that a campaign of five tests should take at most."""

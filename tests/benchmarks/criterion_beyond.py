@@ -39,7 +39,7 @@ from reliab.structures.structure import Structure
 from reliab.sweep.request import excitation_of
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.truth import SimulatedTruth
 
 GREATEST = 0.9  # amplitude error at which an edge is cut
 LONGEST = 0.2  # the same of a lead, as a share of the period

@@ -24,7 +24,7 @@ from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 from reliab.criterion.carrying import carry_to_length
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.validation.cross_validation.truth import SimulatedTruth
+from reliab.validation.truth import SimulatedTruth
 
 THRESHOLDS = (0.02, 0.05)
 LENGTHS = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0)

@@ -25,7 +25,7 @@ from reliab.criterion.methods.registry import method_of
 from reliab.criterion.shipped_tables import read_shipped_ellipses
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
-from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
+from reliab.validation.truth import Cell, Region, SimulatedTruth
 
 THRESHOLD = 0.05
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95, 0.99)

@@ -33,7 +33,7 @@ from reliab.discrepancy.campaign.reading import read_campaign, read_channels
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.spectra.segment import cut_segments, motions_of
+from reliab.discrepancy.segment import cut_segments, motions_of
 from reliab.recordings.recording import StatedChannels
 from reliab.study.folders import PACKAGE
 

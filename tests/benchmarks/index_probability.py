@@ -30,7 +30,7 @@ from reliab.sweep.request import excitation_of
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.response_error import relative_error
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.truth import Region
+from reliab.validation.truth import Region
 
 THRESHOLD, CONFIDENCE = 0.05, 0.95
 STRUCTURES = (0.5, 0.02), (1.0, 0.05), (2.0, 0.02)

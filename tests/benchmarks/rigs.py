@@ -21,7 +21,7 @@ import paths  # noqa: F401 - makes rows of rigs importable
 import scipy
 from rig_rows import rig_table, rig_test
 
-from reliab.rig.learning.learned import last_ten, pool, score_left_out_events
+from reliab.rig.learned import last_ten, pool, score_left_out_events
 from reliab.rig.memory import Memory, NextTest
 from reliab.rig.prediction import DRAWS, PredictedDraws, learn_tests, predict_next
 from reliab.structures.structure import Structure

@@ -16,7 +16,7 @@ from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.methods.registry import method_of
-from reliab.discrepancy.adding import adding
+from reliab.discrepancy import adding
 from reliab.motions.loading import load_motions
 from reliab.sampling.ensembles import Ensembles, sample
 from reliab.simulation.frames.frame_file import frame_of_tables, read_structure
@@ -28,8 +28,8 @@ from reliab.sweep.request import SweepRequest
 from reliab.sweep.response_measures import compare_boundaries, measure_responses
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.folds import k_fold
-from reliab.validation.cross_validation.judge import DerivedCandidate, cross_validate
+from reliab.validation.folds import k_fold
+from reliab.validation.judge import DerivedCandidate, cross_validate
 from reliab.validation.probability_calibration import probability_calibration
 
 PACKAGE = Path(reliab.__file__).parent

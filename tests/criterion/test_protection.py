@@ -17,7 +17,7 @@ from reliab.motions.loading import load_motions
 from reliab.sweep.cut_records import add_known_cut_records
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results, real_results
-from reliab.validation.cross_validation.truth import Cell, Region, SimulatedTruth
+from reliab.validation.truth import Cell, Region, SimulatedTruth
 
 SELECTION = {"f": [0.5, 1.0, 2.0], "xi": [0.02, 0.05], "threshold": [0.05], "side": ["lag"]}
 

@@ -13,7 +13,7 @@ from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.result.missing_effect import calibration
-from reliab.discrepancy.spectra.segment import cut_segments, motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
 
 
 def search_balance(campaign):

@@ -6,7 +6,7 @@ import pytest
 from reliab.discrepancy.blocks import actuator
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import HybridTest
 

@@ -15,7 +15,7 @@ from reliab.discrepancy.fitting.fit import fit, jacobian, refine_fit, reweight_f
 from reliab.discrepancy.fitting.left_out import leave_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import cut_segments, motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms

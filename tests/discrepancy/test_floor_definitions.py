@@ -8,7 +8,7 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.proof import Source, _close, _period, floors
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.structures.specimen import Specimen
 
 RATE = 400.0

@@ -6,7 +6,7 @@ import pytest
 from scipy import integrate
 
 from reliab.core.errors import InputError
-from reliab.discrepancy.adding.adding import update_model
+from reliab.discrepancy.adding import update_model
 from reliab.discrepancy.blocks.balance import motion_of_command
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.campaign.reading import read_campaign

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.diagnose import _power_of, highest_informed_frequency
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.segment import Segment
 
 RATE, SIZE, HIGHEST = 256.0, 16384, 45.0
 FREQUENCY = np.fft.rfftfreq(SIZE, 1.0 / RATE)

@@ -8,7 +8,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.spectra.segment import cut_segments, motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
 
 RATE, STROKE, NOISE = 256.0, 0.02, 2e-5
 TIME = np.arange(0.0, 10.0, 1.0 / RATE)

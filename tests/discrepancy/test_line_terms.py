@@ -7,7 +7,7 @@ import pytest
 
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.screening import line_terms
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.segment import Segment
 
 RATE, SIZE = 256.0, 2560
 TIME = np.arange(SIZE) / RATE

@@ -12,7 +12,7 @@ from reliab.discrepancy.fitting.fit import Fit, fit, improve_fit, jacobian, refi
 from reliab.discrepancy.fitting.left_out import LeftOut, _is_determined, refit
 from reliab.discrepancy.fitting.problem import Problem, observations, real_parts, relative_powers
 from reliab.discrepancy.fitting.screening import screen_effects
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.segment import Segment
 from reliab.signals.noise import NoiseModel
 
 ROWS, SIZE = 60, 4

@@ -8,7 +8,7 @@ from scipy import signal
 
 from reliab.discrepancy.fitting.noise_test import share_structured
 from reliab.discrepancy.fitting.problem import real_parts
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.segment import Segment
 from reliab.signals.noise import Periodogram, fit_noise
 
 RATE, SIZE = 256.0, 8192

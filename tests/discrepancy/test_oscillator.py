@@ -9,7 +9,7 @@ from scipy import fft
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import begin_search, diagnose
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 
 RATE = 610.0
 FREQUENCY, DAMPING_RATIO = 68.0, 0.047

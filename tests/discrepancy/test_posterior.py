@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.discrepancy.adding.posterior import (
+from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fitting.fit import fit
+from reliab.discrepancy.fitting.problem import Problem
+from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
+from reliab.discrepancy.posterior import (
     ENOUGH,
     LikelihoodSurface,
     agreement_of,
     draw_by_importance,
     sample_posterior,
 )
-from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fitting.fit import fit
-from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
-from reliab.discrepancy.spectra.segment import cut_segments, motions_of, scales_of
+from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
 from reliab.effects.registry import find_effect
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest

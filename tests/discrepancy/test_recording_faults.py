@@ -11,7 +11,7 @@ from reliab.discrepancy.blocks.balance import BalanceBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag, diagnose
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.discrepancy.terms import (
     ClockOffset,
     LateGround,

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.discrepancy.adding.adding import _apply_posterior
+from reliab.discrepancy.adding import _apply_posterior
 from reliab.discrepancy.blocks.calibration import structure_damping
 from reliab.discrepancy.naming.naming import or_stated_damping
 from reliab.discrepancy.result.diagnosis import Diagnosis

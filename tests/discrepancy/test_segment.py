@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.discrepancy.spectra.segment import Segment
+from reliab.discrepancy.segment import Segment
 
 RATE = 1024.0
 TIME = np.arange(4096) / RATE

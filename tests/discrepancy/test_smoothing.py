@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from reliab.discrepancy.spectra.segment import smooth_motion
+from reliab.discrepancy.segment import smooth_motion
 from reliab.signals.wiener import _spectra, reliable_frequency, velocity_spread
 
 RATE = 1024.0

@@ -8,7 +8,7 @@ from scipy import optimize
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.effects.softening import Softening
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load

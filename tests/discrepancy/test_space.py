@@ -10,7 +10,7 @@ from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import motions_of, scales_of
+from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.effects.registry import find_effect
 
 

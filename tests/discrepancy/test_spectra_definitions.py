@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.segment import (
+from reliab.discrepancy.segment import (
     Segment,
     _value_and_slope,
     cut_segments,

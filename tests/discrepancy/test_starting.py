@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.discrepancy.campaign.campaign import Stretch
-from reliab.discrepancy.spectra.segment import skip_end, skip_transient
+from reliab.discrepancy.segment import skip_end, skip_transient
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
 STEP = 0.005

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.adding.adding import update_model
+from reliab.discrepancy.adding import update_model
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose

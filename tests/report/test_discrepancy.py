@@ -12,9 +12,9 @@ import pytest
 
 from reliab.app.cli.literal_console import LiteralConsole
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.adding.posterior import sample_posterior
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
+from reliab.discrepancy.posterior import sample_posterior
 from reliab.discrepancy.result.missing_effect import Unknown
 from reliab.effects.registry import find_effect
 from reliab.report.content import CONTENT_FILE, files_of

@@ -131,7 +131,7 @@ def _described_pictures() -> Iterator[None]:
 @contextmanager
 def _one_motion() -> Iterator[None]:
     """Simulate one motion for what a diagnosis adds to a criterion."""
-    with patch("reliab.discrepancy.adding.adding._MOST_MOTIONS", 1):
+    with patch("reliab.discrepancy.adding._MOST_MOTIONS", 1):
         yield
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from reliab.core.files import refuse_unwritable, write_json_file
 from reliab.core.progress import show_task
-from reliab.discrepancy.adding.adding import Addition, add
+from reliab.discrepancy.adding import Addition, add
 from reliab.discrepancy.campaign.reading import campaign_folder, read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis

@@ -21,15 +21,15 @@ from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.several import Numbers
 from reliab.sweep.shares import select_share, share_of
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.folds import (
+from reliab.validation.earthquakes import earthquakes_among
+from reliab.validation.folds import (
     Fold,
     folds_of,
     from_another,
     leave_structures_out,
     transfer,
 )
-from reliab.validation.cross_validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
-from reliab.validation.earthquakes import earthquakes_among
+from reliab.validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
 
 DEFAULT_SCHEME = "leave_one_event_out"
 """How earthquakes are divided where nothing is said."""

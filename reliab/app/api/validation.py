@@ -33,9 +33,9 @@ from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_l
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.scope import population_of
 from reliab.sweep.shares import share_of
-from reliab.validation.cross_validation.counts import RATES, CrossValidation, tabulate
-from reliab.validation.cross_validation.folds import GROUP_SCHEMES
-from reliab.validation.cross_validation.judge import (
+from reliab.validation.counts import RATES, CrossValidation, tabulate
+from reliab.validation.folds import GROUP_SCHEMES
+from reliab.validation.judge import (
     Candidate,
     DerivedCandidate,
     PrintedCandidate,

@@ -13,7 +13,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.spectra.segment import Segment, highest_frequency
+from reliab.discrepancy.segment import Segment, highest_frequency
 from reliab.discrepancy.terms import lag_of, path_through, read_late, record_late
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Scales

@@ -17,7 +17,7 @@ from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit, improve_fit, solve_bounded_step
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import Segment, energy_of
+from reliab.discrepancy.segment import Segment, energy_of
 
 _RAN_AWAY = 1e300
 _PRIOR_SHARE = 0.5  # of a parameter's prior variance: data and prior say as much of it

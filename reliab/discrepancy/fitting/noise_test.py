@@ -13,7 +13,7 @@ import numpy as np
 from reliab.core.arrays import Array, Spectrum
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.spectra.segment import split_by_segment
+from reliab.discrepancy.segment import split_by_segment
 from reliab.signals.noise import near_mains
 
 LARGEST_STRUCTURED_SHARE = 0.02

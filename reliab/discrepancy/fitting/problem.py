@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import Segment, split_by_segment
+from reliab.discrepancy.segment import Segment, split_by_segment
 from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect_rounding_error, fit_noise
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error

@@ -11,7 +11,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.spectra.segment import split_by_segment
+from reliab.discrepancy.segment import split_by_segment
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.backlash import Backlash
 from reliab.effects.effect import Effect, LinearEffect, Role

@@ -23,7 +23,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import MATERIAL, Search
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.locating.locate import Finding, locate
+from reliab.discrepancy.locate import Finding, locate
 from reliab.discrepancy.naming.choice import (
     SURE,
     Choice,

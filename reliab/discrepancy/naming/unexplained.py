@@ -12,10 +12,10 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.locating.locate import Finding
+from reliab.discrepancy.locate import Finding
 from reliab.discrepancy.result.gap import FLOOR_EXCESS, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
-from reliab.discrepancy.spectra.segment import energy_of
+from reliab.discrepancy.segment import energy_of
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.periodic import Disturbance
 from reliab.signals.noise import NoiseModel, near_mains

@@ -13,7 +13,7 @@ from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.locating.locate import Finding
+from reliab.discrepancy.locate import Finding
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown
 from reliab.effects.effect import Effect

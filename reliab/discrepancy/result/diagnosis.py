@@ -9,7 +9,7 @@ from reliab.core.plain_values import Keys, ResultWithRows, html_table
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI, PERCENT, Block
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.locating.locate import Finding
+from reliab.discrepancy.locate import Finding
 from reliab.discrepancy.result.block_diagnosis import NOMINAL_VALUES, BlockDiagnosis, Verdict
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.discrepancy.result.missing_effect import Estimate, MissingEffect, Unknown

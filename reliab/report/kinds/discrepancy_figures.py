@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.campaign.campaign import Channel
+from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import readable_unit

@@ -9,10 +9,10 @@ import pandas as pd
 
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import PERCENT
-from reliab.discrepancy.adding.posterior import Posterior
 from reliab.discrepancy.campaign.campaign import describe_held_out
 from reliab.discrepancy.fitting.problem import MOST_OF_A_TEST
 from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
+from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown

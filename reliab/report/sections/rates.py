@@ -20,7 +20,7 @@ from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import prose
 from reliab.report.style import GREY, INK, apply_style, line, panels
 from reliab.report.wording import law_in_words
-from reliab.validation.cross_validation.counts import CrossValidation, tabulate
+from reliab.validation.counts import CrossValidation, tabulate
 
 _MEANINGS = {
     "containment": ("contained", "motions that contain the criterion"),

@@ -29,11 +29,11 @@ from reliab.study.steps import (
 )
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import REAL, open_results, real_results
-from reliab.validation.cross_validation.counts import CrossValidation
-from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.judge import PrintedCandidate, cross_validate
-from reliab.validation.cross_validation.truth import StoredTruth
+from reliab.validation.counts import CrossValidation
 from reliab.validation.earthquakes import earthquakes_among
+from reliab.validation.folds import Fold
+from reliab.validation.judge import PrintedCandidate, cross_validate
+from reliab.validation.truth import StoredTruth
 
 REAL_MOTIONS: Final = "real_motions.json"
 

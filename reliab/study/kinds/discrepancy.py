@@ -16,7 +16,7 @@ from reliab.study.folders import StudyKind
 from reliab.study.stages import Stage, digest, software_provenance
 
 if TYPE_CHECKING:
-    from reliab.discrepancy.adding.adding import Addition
+    from reliab.discrepancy.adding import Addition
 
 DIAGNOSIS: Final = "diagnosis.json"
 CONTENT: Final = "report"
@@ -88,7 +88,7 @@ def _folder(study: DiscrepancyStudy) -> Path:
 def _diagnose(campaign: Path, checksum: str) -> "Addition":
     """Diagnose a campaign of a checksum, once in a process."""
     del checksum
-    from reliab.discrepancy.adding.adding import add
+    from reliab.discrepancy.adding import add
     from reliab.discrepancy.campaign.reading import read_campaign
     from reliab.discrepancy.diagnose import diagnose
 

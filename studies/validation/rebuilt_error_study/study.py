@@ -10,7 +10,7 @@ import pandas as pd
 from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import Progress, silent
-from reliab.validation.cross_validation.counts import event_bootstrap
+from reliab.validation.counts import event_bootstrap
 
 from .bench import tests_of_round
 from .design import Design

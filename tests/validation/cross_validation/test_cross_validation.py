@@ -10,8 +10,8 @@ from reliab.core.vocabulary import ELLIPSE_DIMENSIONS, Side
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.registry import method_of
-from reliab.validation.cross_validation.counts import event_bootstrap, tabulate
-from reliab.validation.cross_validation.folds import (
+from reliab.validation.counts import event_bootstrap, tabulate
+from reliab.validation.folds import (
     Fold,
     from_another,
     k_fold,
@@ -20,7 +20,7 @@ from reliab.validation.cross_validation.folds import (
     random_halves,
     transfer,
 )
-from reliab.validation.cross_validation.judge import DerivedCandidate, PrintedCandidate, cross_validate
+from reliab.validation.judge import DerivedCandidate, PrintedCandidate, cross_validate
 
 
 def lognormal_ellipses(events: int, motions: int, seed: int, share: float = 0.3) -> xr.Dataset:

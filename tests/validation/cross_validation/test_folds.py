@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.validation.cross_validation.folds import folds_of, transfer
+from reliab.validation.folds import folds_of, transfer
 
 
 @pytest.mark.parametrize("scheme", ["region", "magnitude", "length"])

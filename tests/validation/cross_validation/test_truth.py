@@ -14,9 +14,9 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.window import Window
-from reliab.validation.cross_validation.folds import leave_one_event_out
-from reliab.validation.cross_validation.judge import PrintedCandidate, cross_validate
-from reliab.validation.cross_validation.truth import Cell, EllipseTruth, Region, SimulatedTruth, StoredTruth
+from reliab.validation.folds import leave_one_event_out
+from reliab.validation.judge import PrintedCandidate, cross_validate
+from reliab.validation.truth import Cell, EllipseTruth, Region, SimulatedTruth, StoredTruth
 
 CELL = Cell(frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
 

@@ -37,7 +37,7 @@ from reliab.criterion.methods.hierarchical.strata import (
 from reliab.criterion.methods.method import LearnedLimits, Scatter, validate_share
 from reliab.criterion.population import Population, SampleGrid
 from reliab.sampling.ensembles import Ensembles, draw, width_of
-from reliab.sampling.laplace import Laplace
+from reliab.sampling.model import Laplace
 from reliab.sampling.posterior_sample import PosteriorSample
 
 _NODES = 24  # normal distributions that make up a Student's t

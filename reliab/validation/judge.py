@@ -32,9 +32,9 @@ from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import FittedLaw
 from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.method import Method
-from reliab.validation.cross_validation.counts import COUNTS, DIMENSIONS, CrossValidation
-from reliab.validation.cross_validation.folds import Fold
-from reliab.validation.cross_validation.truth import Actuators, Cell, EllipseTruth, Region, Truth, draw_trials
+from reliab.validation.counts import COUNTS, DIMENSIONS, CrossValidation
+from reliab.validation.folds import Fold
+from reliab.validation.truth import Actuators, Cell, EllipseTruth, Region, Truth, draw_trials
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,8 +14,8 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import Progress, silent
 from reliab.core.threads import one_thread
-from reliab.discrepancy.adding.posterior import Posterior, sample_posterior
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.posterior import Posterior, sample_posterior
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import NORMAL_REACH_90, MissingEffect, estimates

@@ -1,1 +1,0 @@
-"""What a diagnosis adds to the model, with its uncertainty."""

@@ -1,1 +1,0 @@
-"""Spectra of the channels: noise, segments, smoothing, conversion, scales."""
