@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.budget.sizes import Equipment, exact_equipment, tolerances_of
+from reliab.assessment.budget.sizes import Equipment, exact_equipment
 from reliab.assessment.conflicts import damping_from_channels
 from reliab.assessment.contradictions import (
     contradict_columns,
@@ -28,6 +28,7 @@ from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
+from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.own_equation import (
     OwnEquation,
@@ -208,7 +209,8 @@ def _require_judgeable(recording: Recording | CoupledRecording, question: Questi
         require_unit_of_force(
             sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
         )
-    tolerances_of(question.sizes(recording.time_step))
+    for quantity in QUANTITIES:
+        quantity.stated_prior(quantity.stated_deviation(question.stated))
 
 
 def _moving_channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Recording]]:

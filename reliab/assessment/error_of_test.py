@@ -7,13 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, overload
 
 import numpy as np
 
-from reliab.assessment.budget.sizes import (
-    WHOLE_QUANTITIES,
-    Equipment,
-    Size,
-    sizes_of_structure,
-    sizes_of_unknown,
-)
+from reliab.assessment.budget.sizes import Equipment, tolerances_of_structure
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.uncertain_quantity import Circumstances
@@ -135,13 +129,6 @@ class Question:
         return self.model is None and not self.measured_specimen
 
     @property
-    def tolerances(self) -> dict[str, float]:
-        """Relative standard deviations that the file of a frame states, by names of quantities and parts."""
-        sizes = {} if self.frame is None else sizes_of_structure(self.frame)
-        calibrated = {} if self.model is None else dict.fromkeys(WHOLE_QUANTITIES, 0.0)
-        return calibrated | {name: size.deviation for name, size in sizes.items()}
-
-    @property
     def to_interface(self) -> Array:
         """Interface displacements per unit of each channel [-], shape (p, p)."""
         return np.eye(1) if self.frame is None else self.frame.to_interface
@@ -174,18 +161,11 @@ class Question:
             channels=replace(channels, ground=ground.evidence(channels.ground)),
             stated=self.stated,
             equipment=self.equipment,
-            tolerances=self.tolerances,
+            tolerances=tolerances_of_structure(self.frame, calibrated=self.model is not None),
             specimen_force=channels.force is not None and not self.ignores_force,
             feedback_lag=self.feedback_lag,
             left_by_faults=left_by_faults,
         )
-
-    def sizes(self, time_step: float) -> dict[str, Size]:
-        """Sizes of what is not known of a test that was recorded at a time step [s]."""
-        sizes = sizes_of_unknown(
-            self.stated, self.structure, self.equipment, time_step, calibrated=self.model is not None
-        )
-        return sizes if self.frame is None else {**sizes, **sizes_of_structure(self.frame)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

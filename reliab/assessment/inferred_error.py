@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from reliab.assessment.budget.sizes import PriorSource
-from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
     TestedStructure,
@@ -26,12 +25,10 @@ from reliab.assessment.inference.quantities import UncertainQuantity
 from reliab.assessment.inference.rebuilt import LinearTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
 from reliab.assessment.uncertainty_budget import NOT_INFERRED, BudgetItem
 from reliab.core.arrays import Array
-from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.effects.effect import SteppedEffect
 from reliab.structures.partition import Partition
@@ -208,26 +205,3 @@ def infer_errors(
     errors = draw_errors(posterior, test)
     test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
     return InferredError(posterior=posterior, test=test, errors=errors, every=stride)
-
-
-def stated_circumstances(
-    channels: ChannelSpectra, partition: Partition, tolerances: Tolerances, feedback_lag: float
-) -> Circumstances:
-    """Put together what is stated of a test, all else being exact; `feedback_lag` [s]."""
-    sizes = dict(tolerances.items())
-    corrected_hysteresis = sizes.pop("hysteresis")
-    sizes["hysteresis"] = sizes.pop("lagging_hysteresis")
-    deviations = {name: deviation for name, deviation in sizes.items() if deviation}
-    of_actuators = {
-        f"{name}_{number + 1}": deviation
-        for number in range(partition.degrees)
-        for name, deviation in deviations.items()
-    }
-    return Circumstances(
-        partition=partition,
-        channels=channels,
-        stated={"hysteresis": StatedValue(1.0, corrected_hysteresis)} if corrected_hysteresis else {},
-        tolerances=tolerances.of_parts,
-        left_by_faults={**deviations, **of_actuators, **tolerances.of_sensors},
-        feedback_lag=feedback_lag,
-    )

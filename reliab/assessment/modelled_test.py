@@ -23,12 +23,11 @@ import numpy as np
 
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
-from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.inferred_error import infer_errors, stated_circumstances
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
+from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
@@ -53,7 +52,7 @@ def rebuild_with_specimen(
     *,
     deviations: Mapping[str, float] | None = None,
     sensor_offset: float | None = None,
-    tolerances: Tolerances | None = None,
+    known: PriorKnowledge = EXACTLY_KNOWN,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
@@ -81,9 +80,7 @@ def rebuild_with_specimen(
     readings = Readings.from_histories(
         command, measured_displacement, time_step, tangent, sensor_offset=sensor_offset
     )
-    circumstances = stated_circumstances(
-        readings.channels, tangent, tolerances or Tolerances(), feedback_lag=0.0
-    )
+    circumstances = Circumstances(**vars(known), partition=tangent, channels=readings.channels)
     return rebuild_modelled(readings, test, deviations or {}, circumstances, draws=draws, seed=seed)
 
 

@@ -8,6 +8,7 @@ memory than a shorter one; one whose nonlinear specimen has a model is held whol
 
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
 from reliab.assessment.modelled_test import (
     DRAWS as DRAWS_OF_MODEL,
     rebuild_with_specimen,
@@ -26,7 +28,6 @@ from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noi
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
@@ -117,7 +118,7 @@ class Monitor(RunningTest):
         to_interface: Array | None = None,
         feedback_lag: float = 0.0,
         sensor_offset: float | None = None,
-        tolerances: Tolerances | None = None,
+        known: PriorKnowledge = EXACTLY_KNOWN,
         metric: Metric = Metric.RMS,
         seed: int = 0,
         stretch: int | None = None,
@@ -132,10 +133,10 @@ class Monitor(RunningTest):
         super().__init__(
             self._partition.nonsingular_form if self._has_several else self._partition,
             time_step,
-            (tolerances or Tolerances()).time_shift,
+            known.skew_deviation(time_step),
         )
         self._lag, self._sensor_offset = feedback_lag, sensor_offset
-        self._tolerances, self._seed = tolerances or Tolerances(), seed
+        self._known, self._seed = replace(known, equipment=known.equipment.at_step(time_step)), seed
         is_held = self._has_several or self._model is not None
         stride = samples_in_step_of_structure(self.structure, time_step)
         self._stretch = sys.maxsize if is_held else stretch or stride * _STRETCH
@@ -228,7 +229,7 @@ class Monitor(RunningTest):
                 self._partition,
                 to_interface=self._carry,
                 feedback_lag=self._lag,
-                tolerances=self._tolerances,
+                known=self._known,
                 draws=draws,
                 seed=self._seed,
             )
@@ -240,7 +241,7 @@ class Monitor(RunningTest):
                 self._model.test,
                 deviations=self._model.deviations,
                 sensor_offset=self._sensor_offset,
-                tolerances=self._tolerances,
+                known=self._known,
                 draws=min(draws, DRAWS_OF_MODEL),
                 seed=self._seed,
             )
@@ -251,7 +252,7 @@ class Monitor(RunningTest):
             self.structure,
             feedback_lag=self._lag,
             sensor_offset=self._sensor_offset,
-            tolerances=self._tolerances,
+            known=self._known,
             draws=draws,
             seed=self._seed,
         )

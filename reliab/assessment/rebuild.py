@@ -13,7 +13,8 @@ a linear structure with the stated properties (derivation: subtract the two equa
 
 Use it so ::
 
-    error = rebuild(command, measured, time_step, structure, tolerances=Tolerances(frequency=0.01))
+    known = PriorKnowledge(tolerances={"frequency": 0.01})
+    error = rebuild(command, measured, time_step, structure, known=known)
     error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte likewise
     error.probability(threshold, metric)                P(error < threshold), capped by the draws
     error.error, error.smooth_error, error.reference    x_m − x_I and x_I [m], shape (n,)
@@ -40,7 +41,8 @@ import numpy as np
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import typical_world
 from reliab.assessment.inference.posterior import DRAWS
-from reliab.assessment.inferred_error import InferredError, infer_errors, stated_circumstances
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
+from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
@@ -48,7 +50,6 @@ from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts, divide, part
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import DisplacementError
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
@@ -203,7 +204,7 @@ def rebuild(
     feedback_lag: float = 0.0,
     sensor_offset: float | None = None,
     resolution: float | None = None,
-    tolerances: Tolerances | None = None,
+    known: PriorKnowledge = EXACTLY_KNOWN,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
@@ -230,7 +231,7 @@ def rebuild(
         resolution=resolution,
     )
     require_lag(feedback_lag, readings.command.size * time_step)
-    circumstances = stated_circumstances(
-        readings.channels, partition, tolerances or Tolerances(), feedback_lag
+    circumstances = Circumstances(
+        **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
     )
     return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))

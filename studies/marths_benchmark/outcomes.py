@@ -7,16 +7,16 @@ error does not know.
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 import scipy
 
-from reliab.assessment.budget.sizes import ordinary_equipment, sizes_of_unknown, tolerances_of
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
 from reliab.core.arrays import Array
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion
@@ -201,12 +201,6 @@ def rebuilt_error(target: Array, measured: Array, draws: int, *, ordinary: bool 
         1.0 / RATE,
         benchmark_partition(),
         sensor_offsets=None if ordinary else np.zeros(2),
-        tolerances=_of_ordinary_equipment() if ordinary else None,
+        known=PriorKnowledge(equipment=ordinary_equipment()) if ordinary else EXACTLY_KNOWN,
         draws=draws,
     )
-
-
-@cache
-def _of_ordinary_equipment() -> Tolerances:
-    lowest = benchmark_partition().lowest_mode
-    return tolerances_of(sizes_of_unknown({}, lowest, ordinary_equipment(), 1.0 / RATE))

@@ -12,6 +12,7 @@ import xarray as xr
 from reliab import assess
 from reliab.app.cli import run
 from reliab.assessment.contradictions import contradict_specimen
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, law_with_traits
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import (
@@ -373,7 +374,7 @@ def test_a_linear_specimen_loses_nothing() -> None:
 def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
     test = _simulate_family("bilinear", 8)
-    specimen = _learn_from(test, mass_deviation=0.03, feedback_lag=0.001)
+    specimen = _learn_from(test, known=PriorKnowledge(tolerances={"mass": 0.03}), feedback_lag=0.001)
     parts = specimen.parts().by_name
     full_test = specimen.rebuilt.smooth_error
     peak = np.abs(full_test).max()

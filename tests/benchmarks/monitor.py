@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.effects.effect import Effect
 from reliab.effects.registry import find_effect
 from reliab.motions.loading import load_motions
@@ -145,8 +145,8 @@ def add_faults(case: Case, rng: np.random.Generator, *, skew: bool, rest_duratio
 
 def judge_case(case: Case, *, skew: bool) -> dict[str, object]:
     """Alarms of one test with their times [s]."""
-    tolerances = Tolerances(time_shift=SKEW / RATE if skew else 0.0)
-    monitor = Monitor(case.structure, 1.0 / RATE, tolerances=tolerances)
+    tolerances = PriorKnowledge(tolerances={"time_shift": SKEW / RATE if skew else 0.0})
+    monitor = Monitor(case.structure, 1.0 / RATE, known=tolerances)
     energy = error = None
     for begin in range(0, case.command.size, LOOK):
         stretch = slice(begin, begin + LOOK)

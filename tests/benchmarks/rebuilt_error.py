@@ -34,11 +34,11 @@ from rebuilt_error import laboratory as lab
 from scipy.stats import beta
 
 from reliab.assessment.assess import assess
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.modelled_test import rebuild_with_specimen
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.stated_value import StatedValue
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
@@ -168,8 +168,8 @@ def coverage(series: Series, number: int) -> Iterator[Row]:
         damping_ratio=test.lab.xi * (1.0 + 0.1 * rng.normal()),
         experimental_fraction=test.lab.alpha,
     )
-    tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
-    rebuilt = rebuild(test.outcome.command, measured, STEP, wrong, tolerances=tolerances)
+    tolerances = PriorKnowledge(tolerances={"frequency": 0.01, "damping_ratio": 0.1, "sensor_scale": 0.005})
+    rebuilt = rebuild(test.outcome.command, measured, STEP, wrong, known=tolerances)
     yield {"noise": kind, "decibels": decibels, **compare_with_truth(test, rebuilt)}
 
 
@@ -355,10 +355,10 @@ def monitor(series: Series, count: int) -> None:
     test, rng = series.draw(0, 0.01, 0.2)
     o = test.outcome
     measured = read(o, "white", 40.0, rng)
-    tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
-    offline_error = rebuild(o.command, measured, STEP, test.structure, tolerances=tolerances)
+    tolerances = PriorKnowledge(tolerances={"frequency": 0.01, "damping_ratio": 0.1, "sensor_scale": 0.005})
+    offline_error = rebuild(o.command, measured, STEP, test.structure, known=tolerances)
     for _ in range(count):
-        follow = Monitor(test.structure, STEP, tolerances=tolerances)
+        follow = Monitor(test.structure, STEP, known=tolerances)
         chunk = 64
         follow.feed(o.command[:chunk], measured[:chunk])
         begin = time.process_time()
@@ -378,13 +378,13 @@ def monitor(series: Series, count: int) -> None:
 
 def offline(series: Series, count: int) -> None:
     """Processor time of one rebuilding with intervals, and of what widens them."""
-    tolerances = Tolerances(frequency=0.01, damping_ratio=0.1, sensor_scale=0.005)
+    tolerances = PriorKnowledge(tolerances={"frequency": 0.01, "damping_ratio": 0.1, "sensor_scale": 0.005})
     for number in range(count):
         test, rng = series.draw(number, 0.01, 0.2)
         o = test.outcome
         measured = read(o, "white", 40.0, rng)
         begin = time.process_time()
-        rebuilt = rebuild(o.command, measured, STEP, test.structure, tolerances=tolerances)
+        rebuilt = rebuild(o.command, measured, STEP, test.structure, known=tolerances)
         middle = time.process_time()
         rebuilt.widenings()
         widening_time = time.process_time() - middle

@@ -5,8 +5,8 @@ import pytest
 from compiled_monitor import ERROR, build, follow, needs_compiler
 
 from reliab.app.api.monitor import export_monitor
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.structures.structure import Structure
 
 pytestmark = needs_compiler
@@ -89,8 +89,12 @@ def test_the_alarm_of_the_error_comes_with_python_s_where_all_is_known_and_earli
     read = reading + 1e-3 * np.abs(command).max() * np.random.default_rng(seed).normal(size=command.size)
     error = follow(library, command, read, (0.0, 0.0)).status.astype(int) & ERROR > 0
     ours = np.argmax(error) / RATE
-    exactly = alarm_of_python(command, read, Tolerances())
-    roughly = alarm_of_python(command, read, Tolerances(frequency=0.02, damping_ratio=0.1, sensor_scale=0.01))
+    exactly = alarm_of_python(command, read, PriorKnowledge())
+    roughly = alarm_of_python(
+        command,
+        read,
+        PriorKnowledge(tolerances={"frequency": 0.02, "damping_ratio": 0.1, "sensor_scale": 0.01}),
+    )
     assert error.any()
     assert ours - 0.01 <= exactly < ours + 0.5
     assert exactly <= roughly
@@ -98,7 +102,7 @@ def test_the_alarm_of_the_error_comes_with_python_s_where_all_is_known_and_earli
 
 def alarm_of_python(command, read, tolerances):
     """Time at which Python's alarm is raised [s]; infinite where it is not."""
-    monitor = Monitor(STRUCTURE, 1.0 / RATE, sensor_offset=0.0, tolerances=tolerances)
+    monitor = Monitor(STRUCTURE, 1.0 / RATE, sensor_offset=0.0, known=tolerances)
     for begin in range(0, command.size, RATE // 10):
         stretch = slice(begin, begin + RATE // 10)
         monitor.feed(command[stretch], read[stretch])

@@ -11,26 +11,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from reliab.app.api.arguments import parse_filters, require_sound, structure_of
-from reliab.assessment.budget.sizes import (
-    Equipment,
-    PriorSource,
-    Size,
-    limit_certainty,
-    sizes_of_structure,
-    sizes_of_unknown,
-    tolerances_of,
-)
+from reliab.assessment.budget.sizes import Equipment, limit_certainty, tolerances_of_structure
 from reliab.assessment.coupled_error.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import UNKNOWN
 from reliab.assessment.inference.posterior import DRAWS
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
@@ -49,7 +41,6 @@ from reliab.recordings.recording import StatedChannels
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.partition import Partition, whole_structure
-from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.assess import AnyAssessment
@@ -133,7 +124,6 @@ class FollowedTest:
     threshold: float  # [-]
     metric: Metric
     message_interval: float  # [s]
-    sizes: dict[str, Size] = field(default_factory=dict)  # Of what is not known
     alarms: dict[str, str] = field(default_factory=dict)  # Sentences of those that were raised, by name
     sign: RunningSign = field(default_factory=RunningSign)
 
@@ -185,7 +175,7 @@ class FollowedTest:
 
     def _monitor(self, step: float) -> AnyMonitor:
         structure, lag = structure_of(self.values), self.values["feedback_lag"].value * _MILLISECONDS
-        tolerances = self._tolerances(structure, step)
+        known = self._prior_knowledge()
         assessed_structure = structure if self.frame is None else self.frame.partition
         if self.force_channel is None:
             return Monitor(
@@ -193,7 +183,7 @@ class FollowedTest:
                 step,
                 to_interface=None if self.frame is None else self.frame.to_interface,
                 feedback_lag=lag,
-                tolerances=tolerances,
+                known=known,
                 metric=self.metric,
             )
         mass = self.values.get("mass")
@@ -203,30 +193,30 @@ class FollowedTest:
             else Partition.from_structure(structure, mass.value),
             step,
             StatedForce(
-                mass_deviation=0.0 if mass is None else mass.deviation / mass.value,
                 feedback_lag=lag,
                 channel=self.force_channel,
-                tolerances=tolerances,
+                known=known,
             ),
         )
 
-    def _tolerances(self, structure: Structure, step: float) -> Tolerances:
+    def _prior_knowledge(self) -> PriorKnowledge:
         """Collect what is uncertain; hysteresis and filters are not taken off here."""
-        is_calibrated = self.model is not None
-        self.sizes.update(
-            sizes_of_unknown(self.values, structure, self.equipment, step, calibrated=is_calibrated)
+        stated = dict(self.values)
+        tolerances = tolerances_of_structure(self.frame, calibrated=self.model is not None)
+        if self._value("hysteresis"):
+            tolerances["hysteresis"] = stated.pop("hysteresis").value
+        filters = parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items())
+        delays = {name: single.delay for name, single in filters.items()}
+        difference = delays.get("measured", 0.0) - delays.get("command", 0.0)
+        deviation = stated.get("filter_delay", StatedValue(0.0)).deviation
+        if difference and deviation:
+            tolerances["filter_delay"] = float(np.hypot(deviation * _MILLISECONDS, difference))
+        return PriorKnowledge(
+            stated=stated,
+            equipment=self.equipment,
+            tolerances=tolerances,
+            left_by_faults={"filter_delay": difference},
         )
-        if self.frame is not None:
-            self.sizes.update(sizes_of_structure(self.frame))
-        tolerances = tolerances_of(self.sizes)
-        if hysteresis := self._value("hysteresis"):
-            tolerances = replace(tolerances, lagging_hysteresis=hysteresis)
-        if filters := parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items()):
-            delay_difference = filters["measured"].delay if "measured" in filters else 0.0
-            delay_difference -= filters["command"].delay if "command" in filters else 0.0
-            total = float(np.hypot(tolerances.filter_delay, delay_difference))
-            tolerances = replace(tolerances, filter_delay=total)
-        return tolerances
 
     def _feed(self, monitor: AnyMonitor, rows: Rows, part: slice) -> None:
         """Feed a part of some rows, in the scale of the displacement sensor."""
@@ -393,8 +383,7 @@ class FollowedTest:
         if error is None:
             return {**dict.fromkeys(Metric, plain_value(UNKNOWN)), "probability": None}
         probability = limit_certainty(
-            error.probability(self.threshold, self.metric),
-            assumed=any(size.source is PriorSource.DEFAULT for size in self.sizes.values()),
+            error.probability(self.threshold, self.metric), assumed=not self.equipment.is_exact
         )
         return {
             **{metric: plain_value(error.estimate(metric)) for metric in Metric},

@@ -8,17 +8,11 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.described_files import parse_toml, read_toml
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
-from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
-from reliab.structures.parts_of_structure import is_part
-from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -86,6 +80,10 @@ class Equipment:
         sample_skew = self.skew_samples * time_step
         return sample_skew if self.skew_ms is None else min(sample_skew, self.skew_ms / MILLI)
 
+    def at_step(self, time_step: float) -> "Equipment":
+        """Fix the skew at that of channels recorded at a time step [s], whatever joins their samples."""
+        return replace(self, skew_ms=MILLI * self.skew(time_step))
+
     def doubt_of_skew(self, time_step: float) -> str:
         """Say what is assumed of the skew of a recording below 1000 Hz; empty where its largest is stated."""
         if self.skew_ms is not None or time_step <= _SLOW:
@@ -133,32 +131,6 @@ class PriorSource(StrEnum):
     DEFAULT = "default"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Size:
-    """Standard deviation of a quantity that is not known exactly."""
-
-    deviation: float  # Relative [-], or in the SI unit of the quantity
-    source: PriorSource  # Where it comes from
-
-
-_RELATIVE = {
-    "frequency": "f",
-    "damping_ratio": "xi",
-    "experimental_fraction": "alpha",
-    "sensor_scale": "scale",
-}
-
-
-_ABSOLUTE = {  # stated in milliseconds
-    "time_shift": "skew",
-    "feedback_lag": "feedback_lag",
-    "filter_delay": "filter_delay",
-}
-
-
-_LAGGING = "lagging_hysteresis"  # where none was found: no reading leads
-
-
 DEVIATION_OF_HYSTERESIS = 0.2
 """Of a hysteresis that is stated without its deviation, as a calibration gives it [-]."""
 
@@ -184,47 +156,15 @@ WHOLE_QUANTITIES = ("frequency", "damping_ratio", "experimental_fraction")
 """Quantities of the whole structure, which a calibrated model knows."""
 
 
-def sizes_of_unknown(
-    stated: Mapping[str, StatedValue],
-    structure: Structure,
-    equipment: Equipment,
-    time_step: float,
-    *,
-    calibrated: bool = False,
-) -> dict[str, Size]:
-    """Give the sizes of what is not known of a test, by the names of `Tolerances`.
+def tolerances_of_structure(frame: "FrameUnderTest | None", *, calibrated: bool) -> dict[str, float]:
+    """Relative standard deviations that a frame's file states, by names of quantities and parts.
 
-    `time_step` [s]. The structure of a calibrated model is known as well as the model says.
+    A factor of M acts as its inverse does on C, K and k_e. Where parts of the structure are stated, nothing
+    is assumed of the whole beside them. `calibrated`: whether a model knows the whole structure.
     """
-    sizes = _assume_sizes(structure, equipment, time_step)
-    sensor_hysteresis = stated.get("hysteresis", StatedValue(0.0))
-    if "hysteresis" in stated:
-        sizes.pop(_LAGGING, None)
-    if sensor_hysteresis.value and not equipment.is_exact:
-        sizes["hysteresis"] = Size(
-            deviation=DEVIATION_OF_HYSTERESIS * sensor_hysteresis.value, source=PriorSource.DEFAULT
-        )
-    if calibrated:
-        sizes = {name: size for name, size in sizes.items() if name not in WHOLE_QUANTITIES}
-    open_hysteresis = "hysteresis" if sensor_hysteresis.value else _LAGGING
-    for name, key in {**_RELATIVE, **_ABSOLUTE, open_hysteresis: "hysteresis"}.items():
-        if key in stated and stated[key].deviation:
-            relative = abs(stated[key].value) if name in _RELATIVE else 1.0
-            unit = MILLI if name in _ABSOLUTE else 1.0
-            if relative:
-                deviation = stated[key].deviation / relative / unit
-                sizes[name] = Size(deviation=deviation, source=PriorSource.STATED)
-    if (scale := stated.get("command_scale")) is not None and scale.deviation:
-        joint_deviation = float(np.hypot(_deviation_stated(sizes), scale.deviation / scale.value))
-        sizes["sensor_scale"] = Size(deviation=joint_deviation, source=PriorSource.STATED)
-    return sizes
-
-
-def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
-    """Sizes that tolerances state; a factor of M acts as its inverse does on C, K and k_e.
-
-    Where parts of the structure are stated, nothing is assumed of the whole beside them.
-    """
+    known = dict.fromkeys(WHOLE_QUANTITIES, 0.0) if calibrated else {}
+    if frame is None:
+        return known
     tolerances = frame.tolerances
     parts = tolerances.part_deviations(frame.partition.size)
     deviations = {
@@ -233,27 +173,11 @@ def sizes_of_structure(frame: "FrameUnderTest") -> dict[str, Size]:
         "experimental_fraction": tolerances.specimen_deviation,
     }
     replaced_quantities = {_REPLACED_QUANTITIES[name.rstrip("_0123456789")] for name in parts}
-    return {
-        name: Size(deviation=deviation, source=PriorSource.STATED)
+    return known | {
+        name: deviation
         for name, deviation in {**deviations, **parts}.items()
         if deviation or name in replaced_quantities
     }
-
-
-def _deviation_stated(sizes: Mapping[str, Size]) -> float:
-    """Relative deviation of the measured displacement's scale where one is stated, else zero."""
-    scale = sizes.get("sensor_scale")
-    return scale.deviation if scale is not None and scale.source is PriorSource.STATED else 0.0
-
-
-def tolerances_of(sizes: Mapping[str, Size]) -> Tolerances:
-    """Put sizes into the form in which the error is drawn."""
-    deviations = {name: size.deviation for name, size in sizes.items()}
-    part_tolerances = {name: deviations.pop(name) for name in sizes if is_part(name)}
-    sensor_tolerances = {
-        name: deviations.pop(name) for name in sizes if name[-1].isdecimal() and name in deviations
-    }
-    return Tolerances(**deviations, of_parts=part_tolerances, of_sensors=sensor_tolerances)
 
 
 def limit_certainty(probability: float, *, assumed: bool) -> float:
@@ -261,22 +185,3 @@ def limit_certainty(probability: float, *, assumed: bool) -> float:
     if assumed:
         return min(max(probability, 1.0 - _LARGEST_ASSUMED), _LARGEST_ASSUMED)
     return probability
-
-
-def _assume_sizes(structure: Structure, equipment: Equipment, time_step: float) -> dict[str, Size]:
-    """Sizes of ordinary equipment."""
-    deviations = {
-        "frequency": equipment.f,
-        "damping_ratio": equipment.xi,
-        "experimental_fraction": equipment.alpha if structure.experimental_fraction < 1.0 else 0.0,
-        "sensor_scale": equipment.scale,
-        "time_shift": equipment.skew(time_step),
-        "feedback_lag": equipment.feedback_lag_ms / MILLI,
-        "filter_delay": equipment.filter_delay_ms / MILLI,
-        _LAGGING: equipment.hysteresis,
-    }
-    return {
-        name: Size(deviation=deviation, source=PriorSource.DEFAULT)
-        for name, deviation in deviations.items()
-        if deviation
-    }

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.posterior import DRAWS
-from reliab.assessment.inferred_error import InferredError, infer_errors, stated_circumstances
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
+from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_start
 from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.size import require_fitting
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.structures.partition import Partition
 
@@ -175,7 +175,7 @@ def rebuild_coupled(
     *,
     to_interface: Array | None = None,
     feedback_lag: float = 0.0,
-    tolerances: Tolerances | None = None,
+    known: PriorKnowledge = EXACTLY_KNOWN,
     sensor_offsets: Array | None = None,
     draws: int = DRAWS,
     seed: int = 0,
@@ -204,8 +204,8 @@ def rebuild_coupled(
         to_interface=to_interface,
         sensor_offsets=sensor_offsets,
     )
-    circumstances = stated_circumstances(
-        readings.channels, partition, tolerances or Tolerances(), feedback_lag
+    circumstances = Circumstances(
+        **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
     )
     inferred = infer_errors(circumstances, readings.stride, seed, draws=draws)
     return readings.rebuilt(inferred, feedback_lag)

@@ -85,10 +85,7 @@ def _hysteresis(quantity: Quantity, circumstances: Circumstances) -> Prior | Non
     """Prior of the width: positive where none was corrected, since no reading leads."""
     stated_value = circumstances.stated.get(quantity.option)
     if stated_value is not None and stated_value.value:
-        return Prior(
-            deviation=stated_value.deviation or DEVIATION_OF_HYSTERESIS * stated_value.value,
-            source=PriorSource.STATED,
-        )
+        return quantity.stated_prior(stated_value.deviation or DEVIATION_OF_HYSTERESIS * stated_value.value)
     if stated_value is not None and not stated_value.deviation:
         return None  # a calibration found none
     prior = quantity.usual_prior(circumstances)
@@ -103,7 +100,7 @@ def _scale(quantity: Quantity, circumstances: Circumstances) -> Prior | None:
         return prior
     sensor_deviation = prior.deviation if prior is not None and prior.source is PriorSource.STATED else 0.0
     deviation = math.hypot(sensor_deviation, command_scale.deviation / command_scale.value)
-    return Prior(deviation=deviation, source=PriorSource.STATED)
+    return quantity.stated_prior(deviation)
 
 
 QUANTITIES = (

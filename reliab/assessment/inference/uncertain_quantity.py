@@ -14,6 +14,7 @@ import scipy
 from reliab.assessment.budget.sizes import Equipment, PriorSource, exact_equipment
 from reliab.assessment.inference.experiment import Experiment
 from reliab.core.arrays import Spectrum
+from reliab.core.physical_range import require_physical
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.structures.partition import Partition
@@ -64,21 +65,43 @@ class Prior:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Circumstances:
+class PriorKnowledge:
+    """What is known of a test before it is recorded; whatever is not named here is exact.
+
+    >>> PriorKnowledge(tolerances={"time_shift": 0.001}).skew_deviation(1.0 / 256.0)
+    0.001
+    """
+
+    stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
+    equipment: Equipment = field(default_factory=exact_equipment)
+    # Standard deviations by names of quantities, relative [-] or in the SI unit, such as those that the file
+    # of a frame states; of one of several actuators with its number, such as "sensor_offset_2"
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+    # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
+    left_by_faults: Mapping[str, float] = field(default_factory=dict)
+
+    def skew_deviation(self, time_step: float) -> float:
+        """Return the standard deviation of the skew of channels recorded at a time step, both in [s]."""
+        if "time_shift" in self.tolerances:
+            return self.tolerances["time_shift"]
+        deviation = self.stated.get("skew", StatedValue(0.0)).deviation
+        return deviation / MILLI if deviation else self.equipment.skew(time_step)
+
+
+EXACTLY_KNOWN = PriorKnowledge()
+"""Nothing of a test is uncertain but what its channels leave open."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Circumstances(PriorKnowledge):
     """What is known of a test before its channels are weighed."""
 
     partition: Partition  # The structure as stated
     channels: "ChannelSpectra"
-    stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
-    equipment: Equipment = field(default_factory=exact_equipment)
-    learned: Mapping[str, Prior] = field(default_factory=dict)  # In place of those that follow
-    # Relative standard deviations of a frame's frequencies, damping and parts that its file states [-]
-    tolerances: Mapping[str, float] = field(default_factory=dict)
+    learned: Mapping[str, Prior] = field(default_factory=dict)  # In place of what is stated or assumed
     specimen_force: bool = False  # Whether the recorded force is compared with the specimen as stated
     feedback_lag: float = 0.0  # Time by which the force is stated to be fed back late [s]
     slip: Spectrum | None = None  # Displacement that a specimen's spring is taken to have lost [m], (p, K)
-    # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
-    left_by_faults: Mapping[str, float] = field(default_factory=dict)
     actuator: int = 0  # Whose quantities are asked for
 
     def name_quantity(self, name: str) -> str:
@@ -127,23 +150,32 @@ class Quantity(Description):
         """Prior of the quantity; None if it is exact, or plays no part in the test."""
         return self.usual_prior(circumstances) if self.special is None else self.special(self, circumstances)
 
+    def stated_deviation(self, stated: Mapping[str, StatedValue]) -> float:
+        """Return the deviation stated beside a value, relative or in the SI unit; zero if none is."""
+        value = stated.get(self.option, StatedValue(0.0))
+        size = abs(value.value) if self.relative else MILLI if self.unit == "ms" else 1.0
+        return value.deviation / size if size else 0.0
+
+    def stated_prior(self, deviation: float) -> Prior | None:
+        """Prior of a stated standard deviation, relative or in the SI unit; None if it is zero."""
+        kind = "relative standard deviation" if self.unit == "%" else "number"
+        signed = self.shape is Shape.EITHER
+        label = f"{kind if self.unit == '%' else 'standard deviation'} of the {self.words}"
+        require_physical(kind, deviation, zero=True, signed=signed, label=label)
+        return Prior(deviation=deviation, source=PriorSource.STATED, shape=self.shape) if deviation else None
+
     def usual_prior(self, circumstances: Circumstances) -> Prior | None:
         """Prior by what is learned, stated, left by faults, or usual with the equipment, in this order."""
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
-        if (tolerance := circumstances.tolerances.get(self.name)) is not None:
-            return (
-                Prior(deviation=tolerance, source=PriorSource.STATED, shape=self.shape) if tolerance else None
-            )
-        stated_value = circumstances.stated.get(self.option)
-        if stated_value is not None and stated_value.deviation:
-            size = abs(stated_value.value) if self.relative else MILLI if self.unit == "ms" else 1.0
-            return (
-                Prior(deviation=stated_value.deviation / size, source=PriorSource.STATED, shape=self.shape)
-                if size
-                else None
-            )
         name = circumstances.name_quantity(self.name) if self.actuator_specific else self.name
+        tolerances = circumstances.tolerances
+        if (tolerance := tolerances.get(name, tolerances.get(self.name))) is not None:
+            return self.stated_prior(tolerance)
+        if circumstances.stated.get(self.option, StatedValue(0.0)).deviation:
+            deviation = self.stated_deviation(circumstances.stated)
+            stated = Prior(deviation=deviation, source=PriorSource.STATED, shape=self.shape)
+            return stated if deviation else None
         fault_deviation = circumstances.left_by_faults.get(name, 0.0)
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), fault_deviation)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None

@@ -10,12 +10,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
 from reliab.assessment.rebuilt_error.running_test import Now, RunningSums, RunningTest, require_readings
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.structures.partition import Partition
@@ -27,10 +27,9 @@ _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has 
 class StatedForce:
     """Stated properties of a test whose specimen is learned from its force, apart from its structure."""
 
-    mass_deviation: float = 0.0  # Of the mass, over the mass [-]
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
     channel: ForceChannel = ForceChannel()  # noqa: RUF009 - What the force holds beside that of the specimen
-    tolerances: Tolerances = Tolerances()  # noqa: RUF009 - How far stated values may be off
+    known: PriorKnowledge = EXACTLY_KNOWN  # Of all values, how far they may be off
     seed: int = 0  # Seed of the draws
 
 
@@ -43,7 +42,7 @@ class MeasuredMonitor(RunningTest):
     growth: ClassVar[float] = 0.25
 
     def __init__(self, structure: Partition, time_step: float, stated: StatedForce) -> None:
-        super().__init__(structure, time_step, stated.tolerances.time_shift)
+        super().__init__(structure, time_step, stated.known.skew_deviation(time_step))
         self._stated = stated
         self._parts: list[Array] = []
         self._samples = 0
@@ -126,10 +125,9 @@ class MeasuredMonitor(RunningTest):
                 force,
                 self.time_step,
                 self.structure,
-                mass_deviation=self._stated.mass_deviation,
                 feedback_lag=self._stated.feedback_lag,
                 force_channel=self._stated.channel,
-                tolerances=self._stated.tolerances,
+                known=self._stated.known,
                 seed=self._stated.seed,
             )
         except InputError:

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.inferred_error import infer_errors, stated_circumstances
+from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
+from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
@@ -40,7 +40,6 @@ from reliab.assessment.rebuilt_error.parts import (
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -160,18 +159,17 @@ def rebuild_with_force(
     time_step: float,
     structure: Partition,
     *,
-    mass_deviation: float = 0.0,
     feedback_lag: float = 0.0,
     force_channel: ForceChannel | None = None,
     sensor_offset: float | None = None,
     resolution: float | None = None,
-    tolerances: Tolerances | None = None,
+    known: PriorKnowledge = EXACTLY_KNOWN,
     seed: int = 0,
 ) -> MeasuredSpecimen:
     """Compute the error of a test whose specimen is known by its recorded force only.
 
     `command`, `measured_displacement` [m] and `force` [N], shape (n,); `time_step`, `feedback_lag` [s];
-    `sensor_offset`, `resolution` [m]; `mass_deviation` of the mass, over the mass [-]. `structure` [kg,
+    `sensor_offset`, `resolution` [m]. `structure` [kg,
     N·s/m, N/m] without its specimen is the computer's part. `force_channel` says what the recorded force
     holds beside that of the specimen, all of which was fed back.
     """
@@ -183,11 +181,8 @@ def rebuild_with_force(
         sensor_offset=sensor_offset,
         resolution=resolution,
     )
-    circumstances = stated_circumstances(
-        readings.channels, structure, tolerances or Tolerances(), feedback_lag
-    )
-    circumstances = replace(
-        circumstances, left_by_faults={**circumstances.left_by_faults, "mass": mass_deviation}
+    circumstances = Circumstances(
+        **vars(known), partition=structure, channels=readings.channels, feedback_lag=feedback_lag
     )
     return rebuild_learned(readings, force, force_channel, circumstances, seed=seed)
 

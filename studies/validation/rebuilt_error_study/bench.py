@@ -179,7 +179,7 @@ def _judged(
     stated = condition.structure(bench.structure)
     command = histories.command.values[0]
     measured = condition.read(histories.piston.values[0], bench.rng)
-    error = rebuild(command, measured, step, stated, tolerances=condition.tolerances, draws=_DRAWS)
+    error = rebuild(command, measured, step, stated, known=condition.known, draws=_DRAWS)
     looks_nonlinear = np.nan
     periods = command.size * step * stated.frequency
     if condition.stated == RIGHT and periods >= FEWEST_PERIODS:

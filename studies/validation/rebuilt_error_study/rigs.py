@@ -3,12 +3,12 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from reliab_studies.laboratory.compensators.inverse import InverseCompensation
 
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.core.arrays import Array
 from reliab.effects.backlash import Backlash
 from reliab.effects.coulomb_friction import CoulombFriction
@@ -189,10 +189,10 @@ class Condition:
         return replace(true, **{self.quantity: (1.0 + self.wrong_by) * getattr(true, self.quantity)})
 
     @property
-    def tolerances(self) -> Tolerances:
+    def known(self) -> PriorKnowledge:
         """Standard deviations that it states."""
-        deviations: dict[str, Any] = {self.quantity: abs(self.wrong_by)} if self.quantity else {}
-        return Tolerances(**deviations)
+        deviations = {self.quantity: abs(self.wrong_by)} if self.quantity else {}
+        return PriorKnowledge(tolerances=deviations)
 
     def read(self, true: Array, rng: np.random.Generator) -> Array:
         """Record a true history [m or N], shape (n,), as the sensor shows it."""

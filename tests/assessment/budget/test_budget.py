@@ -10,21 +10,34 @@ from reliab.assessment.assess import assess
 from reliab.assessment.budget.corrections import correct_recording
 from reliab.assessment.budget.sizes import (
     PriorSource,
-    Size,
     exact_equipment,
     ordinary_equipment,
     read_equipment,
-    sizes_of_unknown,
-    tolerances_of,
 )
+from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.quantities import QUANTITIES
+from reliab.assessment.inference.uncertain_quantity import Circumstances, Prior, Shape
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.channels_file import read_channels_file
 from reliab.recordings.recording import Recording
 from reliab.signals.filters import LowPass
+from reliab.structures.partition import whole_structure
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.03)
+
+
+def priors(stated, equipment, *, structure=ONE_HERTZ):
+    """Priors of everything that is uncertain about a test that begins at rest, at 1024 Hz."""
+    partition, step = whole_structure(structure), 1.0 / 1024.0
+    times = step * np.arange(4096)
+    command = (np.sin(2.0 * np.pi * times) * np.sin(np.pi * times / times[-1]) ** 2)[np.newaxis]
+    channels = ChannelSpectra.from_channels(command, 0.99 * command, step, partition)
+    channels = replace(channels, initial_size=0.0, offset_size=np.zeros(1), drift_size=np.zeros(1))
+    circumstances = Circumstances(partition=partition, channels=channels, stated=stated, equipment=equipment)
+    found = {quantity.name: quantity.prior(circumstances) for quantity in QUANTITIES}
+    return {name: prior for name, prior in found.items() if prior is not None}
 
 
 @pytest.fixture(scope="module")
@@ -41,30 +54,29 @@ def assessment(recording):
 
 def test_unstated_quantities_have_the_size_of_ordinary_equipment():
     stated_values = {"f": StatedValue(1.0, 0.002), "xi": StatedValue(0.03), "skew": StatedValue(0.1, 0.05)}
-    sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
-    assert {name: size.source for name, size in sizes.items()} == {
+    found = priors(stated_values, ordinary_equipment())
+    assert {name: prior.source for name, prior in found.items()} == {
         "frequency": PriorSource.STATED,
         "time_shift": PriorSource.STATED,
         **dict.fromkeys(
-            ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "lagging_hysteresis"),
+            ("damping_ratio", "sensor_scale", "feedback_lag", "filter_delay", "hysteresis"),
             PriorSource.DEFAULT,
         ),
     }
-    tolerances = tolerances_of(sizes)
-    assert (tolerances.frequency, tolerances.time_shift) == (0.002, pytest.approx(5e-5))
-    assert tolerances.damping_ratio == ordinary_equipment().xi
-    assert tolerances.experimental_fraction == 0.0
+    deviations = {name: prior.deviation for name, prior in found.items()}
+    assert (deviations["frequency"], deviations["time_shift"]) == (0.002, pytest.approx(5e-5))
+    assert deviations["damping_ratio"] == ordinary_equipment().xi
 
 
 def test_only_stated_deviations_are_unknown_without_equipment():
-    sizes = sizes_of_unknown({"xi": StatedValue(0.03, 0.003)}, ONE_HERTZ, exact_equipment(), 1.0 / 1024.0)
-    assert list(sizes) == ["damping_ratio"]
-    assert sizes["damping_ratio"].deviation == pytest.approx(0.1)
+    found = priors({"xi": StatedValue(0.03, 0.003)}, exact_equipment())
+    assert list(found) == ["damping_ratio"]
+    assert found["damping_ratio"].deviation == pytest.approx(0.1)
 
 
 def test_a_share_below_one_is_not_known_exactly():
     half = Structure(frequency=1.0, damping_ratio=0.03, experimental_fraction=0.5)
-    assert "experimental_fraction" in sizes_of_unknown({}, half, ordinary_equipment(), 0.001)
+    assert "experimental_fraction" in priors({}, ordinary_equipment(), structure=half)
 
 
 @pytest.mark.parametrize("rate", [100.0, 4096.0])
@@ -122,9 +134,9 @@ def test_both_stated_scales_make_one_deviation(of_sensor, expected, equipment):
     stated_values = {"command_scale": StatedValue(2.0, 0.004)} | (
         {} if of_sensor is None else {"scale": of_sensor}
     )
-    size = sizes_of_unknown(stated_values, ONE_HERTZ, equipment, 1.0 / 1024.0)["sensor_scale"]
-    assert size.deviation == pytest.approx(expected)
-    assert size.source is PriorSource.STATED
+    prior = priors(stated_values, equipment)["sensor_scale"]
+    assert prior.deviation == pytest.approx(expected)
+    assert prior.source is PriorSource.STATED
 
 
 def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
@@ -132,9 +144,8 @@ def test_a_calibration_that_found_no_hysteresis_replaces_the_default(tmp_path):
     file.write_text("[calibration]\nhysteresis = 0\nhysteresis_sd = 1e-4\n", encoding="utf-8")
     stated_values = read_channels_file(file).test_values
     require_sound(stated_values)
-    sizes = sizes_of_unknown(stated_values, ONE_HERTZ, ordinary_equipment(), 1.0 / 1024.0)
-    assert sizes["lagging_hysteresis"] == Size(deviation=1e-4, source=PriorSource.STATED)
-    assert "hysteresis" not in sizes
+    expected = Prior(deviation=1e-4, source=PriorSource.STATED, shape=Shape.POSITIVE)
+    assert priors(stated_values, ordinary_equipment())["hysteresis"] == expected
 
 
 def test_a_slow_recording_whose_skew_was_not_stated_says_what_is_assumed():

@@ -7,8 +7,8 @@ import pytest
 from coupled_structures import coupled_response, lag
 
 from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.rebuild import rebuild
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric
 from reliab.simulation.frames.frame_file import read_structure
@@ -93,8 +93,8 @@ def test_with_noise_it_stays_near_the_true_error(frame, run):
 
 
 def test_an_interval_reaches_down_to_the_error_of_sensors_without_an_offset(frame, run):
-    unknown = Tolerances(sensor_offset=0.5 * float(np.abs(run.measured[0]).max()))
-    exact, result = (rebuilt(frame, run, noise=0.01, tolerances=single) for single in (Tolerances(), unknown))
+    unknown = PriorKnowledge(tolerances={"sensor_offset": 0.5 * float(np.abs(run.measured[0]).max())})
+    exact, result = (rebuilt(frame, run, noise=0.01, known=single) for single in (PriorKnowledge(), unknown))
     for least, degree in zip(exact.displacements, result.displacements, strict=True):
         assert degree.rms.low < 0.5 * (least.rms.value + least.rms.high)
         assert degree.rms.high > least.rms.high
@@ -132,7 +132,7 @@ def test_test_beginning_in_motion_is_judged_with_an_uncertain_structure(frame, r
     later = replace(
         run, **{name: getattr(run, name)[:, 1000:] for name in ("command", "measured", "reference")}
     )
-    result = rebuilt(frame, later, draws=64, tolerances=Tolerances(frequency=deviation))
+    result = rebuilt(frame, later, draws=64, known=PriorKnowledge(tolerances={"frequency": deviation}))
     for degree, true in zip(result.displacements, true_errors(later)[0], strict=True):
         assert degree.rms.low < true < degree.rms.high
 
@@ -172,8 +172,8 @@ def test_common_noise_of_both_sensors_cancels_in_their_difference(frame, run):
 def test_a_wrong_frequency_is_covered_by_its_tolerance(frame, run):
     wrong = replace(frame, partition=frame.partition.scale(frequency=1.03))
     exact, loose = (
-        rebuilt(wrong, run, noise=0.01, tolerances=tolerances).displacements[0].rms
-        for tolerances in (Tolerances(), Tolerances(frequency=0.02))
+        rebuilt(wrong, run, noise=0.01, known=tolerances).displacements[0].rms
+        for tolerances in (PriorKnowledge(), PriorKnowledge(tolerances={"frequency": 0.02}))
     )
     true = true_errors(run)[0][0]
     assert not exact.low <= true <= exact.high

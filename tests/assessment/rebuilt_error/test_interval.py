@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantise, run, synthetic_ground
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.parts import parts_of
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.signals.noise import converter_step
@@ -41,13 +41,15 @@ def test_a_wrong_frequency_is_covered_by_its_tolerance(outcome):
     wrong = Structure(frequency=1.012, damping_ratio=0.03)
     exact = rebuild(outcome.command, outcome.measured, STEP, wrong)
     assert not exact.rms.low <= outcome.rms <= exact.rms.high
-    loose = rebuild(outcome.command, outcome.measured, STEP, wrong, tolerances=Tolerances(frequency=0.01))
+    loose = rebuild(
+        outcome.command, outcome.measured, STEP, wrong, known=PriorKnowledge(tolerances={"frequency": 0.01})
+    )
     assert loose.rms.low <= outcome.rms <= loose.rms.high
 
 
 def test_the_band_holds_the_history(outcome, noisy):
-    tolerances = Tolerances(frequency=0.005, damping_ratio=0.05, sensor_scale=0.002)
-    rebuilt = rebuild(outcome.command, noisy, STEP, STRUCTURE, tolerances=tolerances)
+    tolerances = PriorKnowledge(tolerances={"frequency": 0.005, "damping_ratio": 0.05, "sensor_scale": 0.002})
+    rebuilt = rebuild(outcome.command, noisy, STEP, STRUCTURE, known=tolerances)
     true = outcome.measured - outcome.ideal
     is_inside = (rebuilt.low <= true) & (true <= rebuilt.high)
     assert is_inside.mean() > 0.85
@@ -56,7 +58,11 @@ def test_the_band_holds_the_history(outcome, noisy):
 
 def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome):
     rebuilt = rebuild(
-        outcome.command, outcome.measured, STEP, STRUCTURE, tolerances=Tolerances(frequency=0.01)
+        outcome.command,
+        outcome.measured,
+        STEP,
+        STRUCTURE,
+        known=PriorKnowledge(tolerances={"frequency": 0.01}),
     )
     assert rebuilt.probability(1.0) == pytest.approx(256.5 / 257.0)
     assert rebuilt.probability(1e-6) == pytest.approx(0.5 / 257.0)
@@ -65,15 +71,15 @@ def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome
 
 
 def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome):
-    tolerances = Tolerances(damping_ratio=0.15, frequency=0.001)
-    rebuilt = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, tolerances=tolerances)
+    tolerances = PriorKnowledge(tolerances={"damping_ratio": 0.15, "frequency": 0.001})
+    rebuilt = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, known=tolerances)
     widest = rebuilt.widenings()[0]
     assert widest.name == "damping_ratio"
     assert widest.width_without < 0.5 * widest.width
     assert 0.0 < widest.deviation_for_half < 0.15
     halved = rebuild(
         *(outcome.command, outcome.measured, STEP, STRUCTURE),
-        tolerances=Tolerances(damping_ratio=widest.deviation_for_half, frequency=0.001),
+        known=PriorKnowledge(tolerances={"damping_ratio": widest.deviation_for_half, "frequency": 0.001}),
     )
     full_test, half = (single.rms.high - single.rms.low for single in (rebuilt, halved))
     assert half / full_test == pytest.approx(0.5, abs=0.1)
@@ -219,9 +225,10 @@ def test_bad_input_is_refused(outcome, change, rule):
 @pytest.mark.parametrize(
     ("value", "rule"), [(0.5, "below 0.333"), (-0.1, "0 or positive"), (np.nan, "found nan")]
 )
-def test_bad_tolerances_are_refused(value, rule):
+def test_bad_tolerances_are_refused(outcome, value, rule):
+    known = PriorKnowledge(tolerances={"frequency": value})
     with pytest.raises(InputError, match=rule):
-        Tolerances(frequency=value)
+        rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, known=known)
 
 
 def test_an_offset_from_before_the_record_starts_no_transient():

@@ -16,10 +16,10 @@ from rebuilt_error.laboratory import (
     synthetic_ground,
 )
 from reliab.assessment.assess import assess
+from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.modelled_test import rebuild_with_specimen
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.effects.registry import find_effect
@@ -153,8 +153,9 @@ def test_a_wider_posterior_widens_the_interval():
 
 @pytest.mark.parametrize("name", ["frequency", "damping_ratio", "experimental_fraction", "sensor_scale"])
 def test_relative_tolerances_are_below_one_third(name):
-    assert getattr(Tolerances(**{name: 0.333}), name) == 0.333
+    quantities = {quantity.name: quantity for quantity in QUANTITIES}
+    assert quantities[name].stated_prior(0.333).deviation == 0.333
     for value in (1.0 / 3.0, 0.34, -1e-9, np.nan, np.inf):
         with pytest.raises(InputError):
-            Tolerances(**{name: value})
-    assert Tolerances(time_shift=0.5).time_shift == 0.5
+            quantities[name].stated_prior(value)
+    assert quantities["time_shift"].stated_prior(0.5).deviation == 0.5

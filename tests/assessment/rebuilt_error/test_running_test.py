@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import scipy
 
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, ForgettingSums, net_damping, select_modes
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
@@ -266,10 +266,10 @@ def long():
 def test_a_long_test_has_the_interval_of_the_whole(long, samples):
     """Held at a lower rate, and its first stretch forgotten, but for sums over it."""
     command, measured_displacement = (history[:samples] for history in long)
-    tolerances = Tolerances(frequency=0.01)
+    tolerances = PriorKnowledge(tolerances={"frequency": 0.01})
     step = STEP / 8.0
-    whole = rebuild(command, measured_displacement, step, STRUCTURE, tolerances=tolerances, draws=64)
-    monitor = Monitor(STRUCTURE, step, stretch=16_000, tolerances=tolerances)
+    whole = rebuild(command, measured_displacement, step, STRUCTURE, known=tolerances, draws=64)
+    monitor = Monitor(STRUCTURE, step, stretch=16_000, known=tolerances)
     monitor.feed(command, measured_displacement)
     error = monitor.ask(draws=64)
     assert monitor.is_whole == (samples <= 32_000)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.modelled_test import (
     ModelledTest,
     rebuild_with_specimen,
@@ -20,7 +21,6 @@ from reliab.assessment.rebuilt_error.specimen_check import (
     examine_specimen,
     slider_elongation,
 )
-from reliab.assessment.rebuilt_error.tolerances import Tolerances
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -65,11 +65,9 @@ def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
 )
 def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outcome, tolerances):
     arguments = (outcome.command, outcome.measured, STEP)
-    stated_values = Tolerances(**tolerances)
-    linear = rebuild(*arguments, STRUCTURE, tolerances=stated_values, sensor_offset=0.0, draws=64)
-    model_error = rebuild_with_specimen(
-        *arguments, model(), tolerances=stated_values, sensor_offset=0.0, draws=32
-    )
+    stated_values = PriorKnowledge(tolerances=tolerances)
+    linear = rebuild(*arguments, STRUCTURE, known=stated_values, sensor_offset=0.0, draws=64)
+    model_error = rebuild_with_specimen(*arguments, model(), known=stated_values, sensor_offset=0.0, draws=32)
     ratio = np.median(model_error.deviation[500:]) / np.median(linear.deviation[500:])
     assert ratio == pytest.approx(1.0, abs=0.3)
 
