@@ -6,12 +6,14 @@ Without names, all of them: every study that ships, `assessment`, `verdict`, `sa
 Studies of the paper need its records and are skipped without them; where records are given, `validation`
 runs the paper's cases too.
 `rths_benchmark` and `marths_benchmark` need the records of their benchmarks, are made only when they are
-named, and then take RECORDS.
+named, and then take RECORDS. Their studies scale the records themselves: a factor that a header states
+for the benchmark is left out.
 `measured_specimen` is made of `measured_specimen.csv`, tests that were judged for most of an hour.
 """
 
 import argparse
 import datetime as dt
+import re
 import shutil
 import sys
 import tempfile
@@ -43,6 +45,16 @@ USE_RECORDS = (*NEED_RECORDS, "validation", *OF_OTHER_RECORDS)
 FREQUENCY, DAMPING_RATIO, RIG_DAMPING_RATIO = 1.0, 0.02, 0.03
 DATED = ("--date", "2026-01-01")
 GOOD, SEED = 0.05, 374300  # of `measured_specimen.csv`
+_FACTOR = re.compile(r"multiply by [0-9.]+ for the benchmark; ")
+"""In headers of a benchmark's records. Its study takes the samples as they stand and scales them itself."""
+
+
+def copy_without_factor(records: Path, folder: Path) -> Path:
+    """Copy the records of a benchmark without the words that state the factor of its tests."""
+    folder.mkdir()
+    for file in sorted(records.glob("*.csv")):
+        (folder / file.name).write_text(_FACTOR.sub("", file.read_text(encoding="utf-8")), encoding="utf-8")
+    return folder
 
 
 def of_study(name: str, records: Path | None) -> bool:
@@ -50,8 +62,10 @@ def of_study(name: str, records: Path | None) -> bool:
     if records is None and name in (*NEED_RECORDS, *OF_OTHER_RECORDS):
         print(f"{name}: skipped, it needs --motions RECORDS")
         return True
-    motions = ["--motions", str(records)] if records and name in USE_RECORDS else []
     with tempfile.TemporaryDirectory() as folder:
+        if records and name in OF_OTHER_RECORDS:
+            records = copy_without_factor(records, Path(folder) / "records")
+        motions = ["--motions", str(records)] if records and name in USE_RECORDS else []
         done = run(["run", name, "--out", f"{folder}/run", *motions]) == 0
         if done:
             shutil.copyfile(f"{folder}/run/report.pdf", HERE / f"{name}.pdf")

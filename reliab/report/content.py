@@ -306,7 +306,7 @@ TERMS: Final = (
         name="delay d",
         pattern=r"\bdelay",
         meaning=prose(
-            "Time by which the measured displacement follows the command; negative where it leads."
+            "Time by which the measured displacement follows the command; negative if it leads."
         ),
     ),
     Term(

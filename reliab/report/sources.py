@@ -31,7 +31,7 @@ def provenance_of(
 
 def _line(value: object) -> str:
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_line(item)}" for name, item in value.items())
+        return ", ".join(f"{str(name).replace('_', ' ')} {_line(item)}" for name, item in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(_line(item) for item in value)
     return f"{value:g}" if isinstance(value, float) else str(value)

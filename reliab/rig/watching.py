@@ -387,7 +387,7 @@ class Change:
             return f"delay {self.size:+.2f} ms{doubt}"
         if self.cause == "gain":
             return f"gain {PERCENT * self.size:+.2f} %{doubt}"
-        return f"noise times {np.exp(self.size):.2f}{doubt}"
+        return f"noise {np.exp(self.size):.2f} times as large{doubt}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

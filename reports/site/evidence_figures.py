@@ -64,7 +64,7 @@ def show_table(subject: str, table: str, quantities: Sequence[str] = ()) -> Styl
     cases, columns = rows["case"].unique(), quantities or rows["quantity"].unique()
     wide = written.pivot_table(index="case", columns="quantity", values="written", aggfunc="first")
     wide = wide.reindex(index=cases, columns=columns).fillna("")
-    return style_table(wide.T if len(wide) == 1 else wide)
+    return style_table(wide.T if len(wide) == 1 else wide).set_caption(table[:1].upper() + table[1:])
 
 
 def style_table(table: pd.DataFrame) -> Styler:

@@ -28,6 +28,25 @@ _GROUPS = (
 _AMONG, _FAINT, _ONE_CHANNEL = " among several", "faint ", "one channel "
 _NOTHING = ("none", "miscalibrated")
 _FEWEST_BINS = 3
+_OUTCOMES = {
+    "answered": "answered at all",
+    "single named right, alone": "one effect: named, and nothing else",
+    "single right or honestly degenerate": "one effect: named, or given with others that fit as well",
+    "single with a wrong name": "one effect: a wrong name",
+    "faint with a wrong name": "faint effect: a wrong name",
+    "faint called unknown": "faint effect: called unknown",
+    "faint named right": "faint effect: named",
+    "two or three exactly right": "two or three effects: all named",
+    "two exactly right": "two effects: both named",
+    "three exactly right": "three effects: all named",
+    "nothing hidden, false name": "nothing hidden: a name",
+    "nothing hidden, any alarm": "nothing hidden: a name, or called unknown",
+    "outside flagged unknown": "effect outside the library: called unknown",
+    "outside given a name": "effect outside the library: given a name",
+    "one channel named right": "one channel: named",
+    "gap closed by 0.9 or more": "90 % or more of the gap closed",
+}
+"""Outcomes of the evaluation, in words for readers."""
 _SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
@@ -41,17 +60,23 @@ def blind_evaluation_report(
     """Report what was measured on blind campaigns."""
     last = runs[-1]
     rates_with_target = [rate for rate in last["rates"].values() if rate["target"] is not None and rate["of"]]
+    missed = [
+        _name_outcome(name)
+        for name, rate in last["rates"].items()
+        if rate["target"] is not None and rate["of"] and not rate["reached"]
+    ]
     gap = last["closed_fraction"]
     return Document(
         kind="Blind evaluation of diagnoses",
         title=title,
         verdict=prose(
-            "{reached} of {asked} targets are reached on {campaigns} campaigns that were not used while "
-            "building; {failed} campaigns were answered wrongly.",
+            "{failed} of {campaigns} campaigns that nobody had seen before were answered wrongly. "
+            "{reached} of {asked} targets are reached{missed}.",
             reached=sum(bool(rate["reached"]) for rate in rates_with_target),
             asked=len(rates_with_target),
             campaigns=last["campaigns"],
             failed=len(last["failures"]),
+            missed=f"; missed: {'; '.join(missed)}" if missed else "",
         ),
         facts={
             "Campaigns": ", ".join(f"{count} {spell_out(kind)}" for kind, count in last["kinds"].items()),
@@ -76,9 +101,17 @@ def blind_evaluation_report(
     )
 
 
+def _name_outcome(name: str) -> str:
+    return _OUTCOMES.get(name, name)
+
+
 def _rates(run: Mapping[str, Any]) -> Section:
-    rates = {**run["rates"], "90 % intervals that cover": run["coverage"]}
-    rows = [{"what": name, **rate, "wanted": _target(rate)} for name, rate in rates.items() if rate["of"]]
+    rates = {**run["rates"], "90 % intervals that hold the truth": run["coverage"]}
+    rows = [
+        {"what": _name_outcome(name), **rate, "wanted": _target(rate)}
+        for name, rate in rates.items()
+        if rate["of"]
+    ]
     columns = (
         Column(key="what", heading="What", wide=True),
         Column(key="count", heading="Times", number=WholeNumber()),
@@ -110,8 +143,11 @@ def _earlier(runs: Sequence[Mapping[str, Any]]) -> tuple[Section, ...]:
     frame = pd.DataFrame(
         {
             run["code"]: {
-                name: f"{rate['count']} of {rate['of']}"
-                for name, rate in {**run["rates"], "90 % intervals that cover": run["coverage"]}.items()
+                _name_outcome(name): f"{rate['count']} of {rate['of']}"
+                for name, rate in {
+                    **run["rates"],
+                    "90 % intervals that hold the truth": run["coverage"],
+                }.items()
             }
             for run in runs
         }
@@ -150,7 +186,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
             ),
             RpFigure(
                 drawing=discrepancy_confusion(groups[group_names[0]]),
-                caption=f"{group_names[0]}: what is hidden against what is answered.",
+                caption=f"{group_names[0]}: what is hidden against what is answered; right on the diagonal.",
                 label="fig:confusion",
                 leads=True,
             ),

@@ -76,7 +76,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
     blocks: tuple[Block, ...] = (
         RpFigure(
             drawing=ratios_by_family(judged),
-            caption="Computed over true error of each test, with its 90 % interval.",
+            caption="Computed over true error of each test, with its 90 % interval: look far from 1.",
             label="fig:ratios",
             leads=True,
         ),

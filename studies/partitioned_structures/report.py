@@ -84,8 +84,8 @@ def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
     )
     caption = (
         "Predicted over simulated RMS error. Scatter is the standard deviation of the ratio's logarithm. "
-        "Equation (18) counts where it is valid, from 0.25 to 2 Hz; the law with the share α where the "
-        "specimen is a spring and α at least ten times the damping ratio."
+        "Equation (18) counts from 0.25 to 2 Hz, the range in which it is valid; the law with the share α "
+        "if the specimen is a spring and α at least ten times the damping ratio."
     )
     long = pd.concat(
         [

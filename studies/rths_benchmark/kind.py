@@ -67,7 +67,7 @@ def stages(study: BenchmarkStudy) -> Sequence[Stage]:
         raise InputError(
             "The benchmark is run with its own records, which do not ship",
             value="no ground motions",
-            remedy="Give the folder of elcentro.csv, kobe.csv and morgan.csv with `motions`",
+            remedy="Give the folder of elcentro.csv, kobe.csv and morgan.csv, unscaled, with `motions`",
         )
     records, table = Records(study), study.benchmark
     printed = shipped("datasets", f"rths_benchmark/{PUBLISHED}")

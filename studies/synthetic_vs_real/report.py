@@ -141,7 +141,7 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
             ),
             RpFigure(
                 drawing=suite_measures(measures),
-                caption="Where the lines differ, the suites differ.",
+                caption="Shares of the motions below each value. Where the lines differ, the suites differ.",
                 label="fig:measures",
                 leads=True,
             ),

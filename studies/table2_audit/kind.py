@@ -48,7 +48,7 @@ def report(study: RecordsStudy, folder: Path) -> Document:
         title=study.title,
         rows=read_table(folder / ROWS),
         provenance={**study.provenance, **software_provenance(folder)},
-        notes=(study.purpose,) if study.purpose else (),
+        purpose=study.purpose,
     )
 
 

@@ -1,6 +1,6 @@
 """Report of a published table audited row by row against a simulation of its records."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from reliab.core.vocabulary import PERCENT
 from reliab.report.axes import label_logarithmic, legend_below, name_axes
 from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, Scientific, Significant
-from reliab.report.prose import Prose, prose
+from reliab.report.prose import prose
 from reliab.report.sections.method import limits_section, method_section
 from reliab.report.sources import SOURCES, provenance_of
 from reliab.report.style import BLUE, GREY, INK, VERMILION, apply_style, letters, panels
@@ -25,7 +25,7 @@ def table_audit_report(
     title: str,
     rows: pd.DataFrame,
     provenance: Mapping[str, object],
-    notes: Sequence[Prose] = (),
+    purpose: str = "",
 ) -> Document:
     """Report which rows of Table 2 are reproduced, and what differs in the others."""
     rows = rows.fillna({"difference": "", "detail": ""})
@@ -47,6 +47,7 @@ def table_audit_report(
             errors=int(((rows["error"] / rows["error_printed"] - 1.0).abs() <= CLOSE).sum()),
         ),
         facts={
+            "Purpose": purpose,
             "Table": prose("Table 2 of Guo and others (2017) @guo2017"),
             "Structure": prose('$f = 1$ Hz, $xi = 0.02$; $"RMS"^R$ of 5 %'),
             "Gap of disagreeing rows": prose(
@@ -57,7 +58,7 @@ def table_audit_report(
         },
         blocks=(
             _disagreeing(rows, disagreeing),
-            limits_section(notes),
+            limits_section(()),
             method_section(None, experimental_fraction=1.0, window="record"),
             _all(rows),
         ),

@@ -50,7 +50,7 @@ def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
             "displacement, and by $A$ and $d$ with criteria and with the boundary of the test's own "
             "motion. A test is good up to {threshold} of true error, which is that of the true piston "
             "against the same loop with a perfect actuator. A criterion without limits for leads accepts "
-            "no test that leads. A verdict is “reliable” as `reliab assess` gives it: the error stays "
+            "no test that leads. A verdict is “reliable” as reliab assess gives it: the error stays "
             "below the threshold with 95 % probability, and the specimen does not look nonlinear. A motion "
             "is contained when none of its bad tests is accepted, and an error in the interval when the "
             "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "

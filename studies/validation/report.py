@@ -107,8 +107,7 @@ def _verdict(rates: pd.DataFrame, confidence: float) -> tuple[Prose, bool]:
     ending = (
         ""
         if unsafe.empty
-        else f", and {percent(unsafe.iloc[0]['rate'], decimals=1)} of the tests that it accepts exceed "
-        "their error"
+        else f", and {percent(unsafe.iloc[0]['rate'], decimals=1)} of the tests that it accepts are bad"
     )
     rate, ends = percent_and_interval(row["rate"], row["low"], row["high"])
     verdict = prose(

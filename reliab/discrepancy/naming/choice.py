@@ -209,7 +209,7 @@ def remarks_on(choice: Choice) -> Iterator[str]:
         reason = "too little to be named" if little else "other effects explain nearly as much"
         yield (
             f"{effect.label().replace('_', ' ').capitalize()} refines the model: without it "
-            f"{percent(error_without)} of the signal remain on held-out tests, with it "
+            f"{percent(error_without)} of the signal remains on held-out tests, with it "
             f"{percent(best.held_out)}. It is in model.toml, and {reason}."
         )
     for effect, error_with, error_without in choice.unchanging:

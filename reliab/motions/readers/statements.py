@@ -302,7 +302,7 @@ def scales(lines: list[RecordLine], report: Report) -> Iterator[Scale]:
                 "It is unclear whether this factor scales the samples",
                 line=line.number,
                 value=line.text.strip(),
-                remedy="If it does, write 'scale factor: …'; if not, convert the samples and remove the line",
+                remedy="If it does, write 'scale factor: …' instead; if not, delete the words that state it",
             )
 
 

@@ -217,7 +217,7 @@ def gap_figure(diagnosis: Diagnosis) -> Figure:
     caption = (
         "Residuals on held-out data before and after the effects are added, and their size over all "
         "held-out tests: of the calibrated model (before), the best linear one, the best rival that lacks "
-        "one of the effects, the model with the effects (after), and the noise, where they are known."
+        "one of the effects, the model with the effects (after), and the noise, if they are known."
     )
     drawing = discrepancy_gap([_panel(block_diagnosis) for block_diagnosis in diagnosis.blocks])
     return Figure(drawing=drawing, caption=caption, label="fig:gap", leads=True)

@@ -115,7 +115,7 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
         "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
         "any fit; of models that explain the fitted tests they have the last word. The verdict is “named” "
-        "where at most {share} of the energy of the gap remains in the kind of held-out test (sine, sweep, "
+        "if at most {share} of the energy of the gap remains in the kind of held-out test (sine, sweep, "
         "irregular motion) that is explained least."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
@@ -247,7 +247,7 @@ def _sentence(effect: MissingEffect) -> Prose:
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
     others = alternatives if listed else "No alternative remains."
     return prose(
-        "*{name}*{position}: {description}. With it {after} of the signal remain on held-out tests, without "
+        "*{name}*{position}: {description}. With it {after} of the signal remains on held-out tests, without "
         "it {before}. {others}",
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
@@ -262,7 +262,7 @@ def _unknown(unknown: Unknown) -> Prose:
     text = "In the {block}: {description}. "
     if unknown.expression:
         text += (
-            "An expression for it is {expression}; with it {error} of the signal remain on held-out tests."
+            "An expression for it is {expression}; with it {error} of the signal remains on held-out tests."
         )
     else:
         text += "It is {error} of the signal on held-out tests."
@@ -385,6 +385,6 @@ def _errors_by_test(diagnosis: Diagnosis) -> Table:
     )
     caption = (
         "The same for each held-out test by itself, the least explained first. Unexplained is the share of "
-        "the gap's energy that remains; – where nothing is missing, so that there is nothing to explain."
+        "the gap's energy that remains; – if nothing is missing."
     )
     return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)

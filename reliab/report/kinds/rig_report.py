@@ -184,7 +184,7 @@ def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:
         rows,
         ("Quantity", "R-hat", "Effective draws", "Score of the model", *(f"Of {name}" for name in names)),
         caption=(
-            "Draws of the variances between earthquakes, days, specimens, over time: R-hat is near 1 where "
+            "Draws of the variances between earthquakes, days, specimens, over time: R-hat is near 1 if "
             "they converged. Mean log scores of tests whose earthquake was left out: higher is better."
         ),
         label="tab:diagnostics",

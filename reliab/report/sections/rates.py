@@ -92,7 +92,7 @@ def _figures(containment: pd.DataFrame, confidence: float, mark: str, *, leads: 
     yield Figure(
         drawing=calibration_curve(overall[has_several] if has_several.any() else overall),
         caption=prose(
-            "A criterion keeps its promise for the motions of a study where its line follows the diagonal; "
+            "A criterion keeps its promise for the motions of a study if its line follows the diagonal; "
             "below the diagonal it promises too much.{printed}",
             printed=" Printed laws state one confidence only and are listed in the table."
             if has_several.any() and not has_several.all()

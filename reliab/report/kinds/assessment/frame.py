@@ -159,9 +159,8 @@ def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
             delay=tracking.delay,
             modes=[mode.frequency for mode in assessment.modes],
         ),
-        caption="Amplitude and delay of the actuator over frequency with their 90 % bands, where command and "
-        "measured displacement are coherent. Dashed: the index of the whole test. Dotted: the modes of the "
-        "structure.",
+        caption="Amplitude and delay of the actuator with 90 % bands, at frequencies at which both channels "
+        "are coherent. Dashed: the index of the whole test. Dotted: the modes of the structure.",
         label="fig:frequency",
     )
     text = (
@@ -205,7 +204,7 @@ def modes_table(assessment: JudgedFrame) -> Table:
         rows,
         ("Mode", "f [Hz]", "ξ [%]", "Specimen's share [%]", "A(f)", "d(f) [ms]"),
         caption="Modes of the structure, the specimen's share of their stiffness, and how the actuator "
-        "tracked at their frequencies; empty where the test does not show it.",
+        "tracked at their frequencies; empty if the test does not show it.",
         label="tab:modes",
     )
 
