@@ -56,7 +56,6 @@ ADDITIONS = {
         class Least(BoundMethod):
             name = "least"
             meaning = "the least of the motions at hand"
-            exchangeable = "motions"
             distribution_free = True
 
             def _lower_bound(self, logarithms, events, confidence):

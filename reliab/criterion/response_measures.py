@@ -116,10 +116,11 @@ class ResponseMeasures:
         [-], which is 1 at resonance; `sensitivity`, the RMS^R for an amplitude error as large as the damping
         ratio, in the limit of small errors [-].
         """
-        grid = self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1)
+        f, xi = self.frequencies.reshape(-1, 1), self.damping_ratios.reshape(1, -1)
         return {
             "effective_duration": self.effective_duration,
-            **compare_ellipses(self.a_first, self.b_first, *grid),
+            "frequency_ratio": MILLI * np.sqrt(self.a_first / self.b_first) / (2.0 * np.pi * f),
+            "sensitivity": xi / np.sqrt(self.a_first),
         }
 
     def take(self, motions: Any) -> Self:  # noqa: ANN401 - whatever takes places of an array
@@ -156,11 +157,3 @@ def _nearest(values: Array, targets: Array) -> Places:
     """Places of the nearest values; the larger one of two as near."""
     distance = np.abs(values[::-1] - np.asarray(targets)[:, np.newaxis])
     return np.asarray(values.size - 1 - distance.argmin(axis=1))
-
-
-def compare_ellipses(a: Array, b: Array, f: Array, xi: Array) -> dict[str, Array]:
-    """Those of the compared quantities that follow from an ellipse per squared error, b in ms²."""
-    return {
-        "frequency_ratio": MILLI * np.sqrt(a / b) / (2.0 * np.pi * f),
-        "sensitivity": xi / np.sqrt(a),
-    }

@@ -1,7 +1,7 @@
 """Check whole folders of records and report every fault at once."""
 
 from bisect import bisect_left, insort
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
@@ -13,16 +13,14 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
+from reliab.motions.catalogue import CATALOGUE, RecordFile
 from reliab.motions.faults import MotionFault, Report
 from reliab.motions.loading import (
     BUILT_IN,
     declare,
     list_skipped_files,
     load_motions,
-    motion_name,
-    scan_file,
-    scan_folder,
+    scan,
 )
 from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration
 from reliab.motions.readers.source import is_file, is_folder
@@ -260,20 +258,7 @@ def _records(
     source: Path, declaration: RecordDeclaration, faults: list[MotionFault]
 ) -> Iterator[tuple[RecordFile, Report]]:
     """Find the records, each with a new report, and collect the faults of catalogues and headers."""
-    catalogue = source / CATALOGUE
-    if is_file(catalogue):
-        report = Report(file=str(catalogue))
-        records_of_catalogue = read_catalogue(catalogue, report, declaration)
-        faults.extend(report.faults)
-        scans: Iterable[tuple[Path, list[RecordFile], Report]] = [
-            (record.path, [record], Report(file=str(record.path))) for record in records_of_catalogue
-        ]
-    elif is_folder(source):
-        scans = scan_folder(source, declaration)
-    else:
-        report = Report(file=str(source))
-        scans = [(source, scan_file(source, motion_name(Path(source.name)), declaration, report), report)]
-    for path, records, report in scans:
+    for path, records, report in scan(source, declaration):
         if not records:
             faults.extend(report.faults)
         for record in records:

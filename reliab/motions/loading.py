@@ -42,16 +42,30 @@ _DOCUMENTS = frozenset(
 _NOT_RECORDS = ("readme", "license", "licence", "copying", "changelog")
 
 
-def scan_folder(
+def scan(source: Path, declaration: RecordDeclaration) -> Iterator[tuple[Path, list[RecordFile], Report]]:
+    """Find the records of a file, or of a folder with or without a catalogue, which then comes first."""
+    catalogue = source / CATALOGUE
+    if is_file(catalogue):
+        report = Report(file=str(catalogue))
+        records = read_catalogue(catalogue, report, declaration)
+        yield catalogue, [], report
+        yield from ((record.path, [record], Report(file=str(record.path))) for record in records)
+    elif is_folder(source):
+        yield from _scan_folder(source, declaration)
+    else:
+        report = Report(file=str(source))
+        yield source, _scan_file(source, motion_name(Path(source.name)), declaration, report), report
+
+
+def _scan_folder(
     folder: Path, declaration: RecordDeclaration
 ) -> Iterator[tuple[Path, list[RecordFile], Report]]:
-    """Find the records of a folder."""
     paths = [path for path, reason in _survey(folder) if not reason]
     names = _names(paths, folder)
     for path in paths:
         report = Report(file=str(path))
         resolved_path = report.resolve(folder, path.relative_to(folder).as_posix())
-        yield path, scan_file(path, names[path], declaration, report) if resolved_path else [], report
+        yield path, _scan_file(path, names[path], declaration, report) if resolved_path else [], report
 
 
 class UnreadFileWarning(UserWarning):
@@ -99,7 +113,7 @@ def _reason_to_skip(path: Path) -> str:
     return "" if form else "an unknown format"
 
 
-def scan_file(path: Path, name: str, declaration: RecordDeclaration, report: Report) -> list[RecordFile]:
+def _scan_file(path: Path, name: str, declaration: RecordDeclaration, report: Report) -> list[RecordFile]:
     """Find the motions in one file."""
     source_and_headers = open_records(path, report, whole=False)
     headers = source_and_headers[1] if source_and_headers else []
@@ -272,37 +286,20 @@ def _entries(
 
         return list(synthetic_suite().entries)
     path = Path(source)
-    if is_folder(path):
-        return list(_folder_entries(path, declaration, faults))
-    if is_file(path):
-        report = Report(file=str(path))
-        records = scan_file(path, motion_name(Path(path.name)), declaration, report)
-        faults.extend(report.faults)
-        return [] if report.faults else list(records)
-    raise InputError(
-        f"{source} not found",
-        remedy=f"Name a file, a folder or a built-in suite ({', '.join(BUILT_IN)})",
-    )
-
-
-def _folder_entries(
-    folder: Path, declaration: RecordDeclaration, faults: list[MotionFault]
-) -> list[RecordFile]:
-    catalogue = folder / CATALOGUE
-    if is_file(catalogue):
-        report = Report(file=str(catalogue))
-        records = read_catalogue(catalogue, report, declaration)
-        faults.extend(report.faults)
-        return records
-    entries: list[RecordFile] = []
+    if not (is_folder(path) or is_file(path)):
+        raise InputError(
+            f"{source} not found",
+            remedy=f"Name a file, a folder or a built-in suite ({', '.join(BUILT_IN)})",
+        )
+    entries: list[MotionEntry] = []
     fault_count = len(faults)
-    for _, records, report in scan_folder(folder, declaration):
+    for _, records, report in scan(path, declaration):
         faults.extend(report.faults)
         entries.extend(() if report.faults else records)
     if not entries and len(faults) == fault_count:
         raise InputError(
             "No records in this folder",
             remedy=f"Put records or a {CATALOGUE} into it",
-            where=str(folder),
+            where=str(path),
         )
     return entries

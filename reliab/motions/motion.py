@@ -65,7 +65,8 @@ class Motion:
             raise InputError("A motion must have a name", remedy="Name it, by its record for example")
         require_short(np.size(self.acceleration), self.name)
         object.__setattr__(self, "acceleration", _check_samples(self.acceleration, self.name))
-        object.__setattr__(self, "time_step", _check_step(self.time_step, self.name))
+        require_physical("time step", self.time_step, where=self.name)
+        object.__setattr__(self, "time_step", float(self.time_step))
         object.__setattr__(self, "event", self.event or self.name)
 
     def load(self) -> "Motion":
@@ -151,11 +152,6 @@ def _check_samples(samples: Array, name: str) -> Array:
         )
     samples_copy.flags.writeable = False
     return samples_copy
-
-
-def _check_step(time_step: float, name: str) -> float:
-    require_physical("time step", time_step, where=name)
-    return float(time_step)
 
 
 _STEP_TOLERANCE = 1e-9  # a fraction of a step below which a time counts as lying on a sample

@@ -120,7 +120,14 @@ def calibrate_channels(
     skew, scale, hysteresis, remainder = channels.estimate()
     if remainder > _MODEL_MARGIN * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
         if estimate is None:
-            raise _never_rests(recording, remainder / channels.half_range)
+            share = percent(remainder / channels.half_range, decimals=2)
+            raise InputError(
+                f"This looks like a real test: {share} of the motion's amplitude is neither skew, scale, "
+                "hysteresis nor noise",
+                remedy="Feed one signal to both channels, or move in steps with rests above "
+                f"{_SHORTEST_REST:g} s",
+                where=recording.name,
+            )
         unsure = StatedValue(estimate.hysteresis.value, _unsure(estimate.hysteresis))
         return replace(calibration, scale=estimate.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
     deviations = channels.deviations(skew, scale, hysteresis)
@@ -140,15 +147,6 @@ def _unsure(hysteresis: StatedValue) -> float:
     return float(np.linalg.norm([hysteresis.deviation, _SHARE_UNSURE * hysteresis.value, _LEAST_UNSURE]))
 
 
-def _never_rests(recording: Recording, remainder: float) -> InputError:
-    return InputError(
-        f"This looks like a real test: {percent(remainder, decimals=2)} of the motion's amplitude is neither "
-        "skew, scale, hysteresis nor noise",
-        remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
-        where=recording.name,
-    )
-
-
 def calibration_in_toml(calibration: ChannelCalibration, description: str, source: str) -> str:
     """Write a calibration as the table of a file `channels.toml`, after what the file states of channels.
 
@@ -165,7 +163,8 @@ def calibration_in_toml(calibration: ChannelCalibration, description: str, sourc
     command_noise_m = 0
     <BLANKLINE>
     """
-    lines = [f"[calibration]  # measured by `reliab calibrate` from {_comment_text(source)}"]
+    printable = "".join(character for character in source if character.isprintable())
+    lines = [f"[calibration]  # measured by `reliab calibrate` from {printable}"]
     for name, deviation in _UNSURE:
         value = getattr(calibration, name)
         if value is not None:
@@ -173,10 +172,6 @@ def calibration_in_toml(calibration: ChannelCalibration, description: str, sourc
     lines += [f"{name} = {getattr(calibration, name):.6g}" for name in _PLAIN]
     remaining = _CALIBRATION_TABLE.sub("", description).rstrip()
     return "\n".join([*([remaining, ""] if remaining else []), *lines, ""])
-
-
-def _comment_text(text: str) -> str:
-    return "".join(character for character in text if character.isprintable())
 
 
 def _require_one_motion(recording: Recording) -> None:

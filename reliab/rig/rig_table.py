@@ -294,11 +294,7 @@ def _reader(name: str) -> Callable[[str], object]:
     """Return what makes a value of a column of its cell."""
     if name in TEXTS or name == CHANGE:
         return str
-    return _TRUTHS.__getitem__ if name == "reliable" else _number_of
-
-
-def _number_of(cell: str) -> float | None:
-    return float(cell) if cell else None
+    return _TRUTHS.__getitem__ if name == "reliable" else lambda cell: float(cell) if cell else None
 
 
 def _as_csv(rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> str:

@@ -56,6 +56,7 @@ from reliab.sweep.store_layout import (
 _RULE = "A store can be resumed only if it is complete except for results of motions"
 _JOURNAL_EVERY = 0.25  # s; what a kill costs at most, beside motions that are being solved
 _REMEDY = "Simulate again to another store"
+_UNWRITABLE = "Cannot write to the folder of a results store"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,13 +106,17 @@ class ResultsStore:
         cls, path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str], *, resume: bool
     ) -> Iterator["ResultsStore"]:
         """Create a store, or open an unfinished one, and keep every other process from writing to it."""
-        _make_writable(path.parent)
+        with refuse_unwritable(_UNWRITABLE, where=path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=path.parent):
+                pass
         with lock_for_writing(path, "Only one process may write to a results store"):
             if path.exists():
                 _check_resumable(path, request, names, resume=resume)
                 remove_abandoned([*path.rglob(f"{UNFINISHED}*"), *path.rglob("*.partial")])  # ours and Zarr's
             else:
-                _create(path, request, names, events)
+                with refuse_unwritable(_UNWRITABLE, where=path, remedy="Make room, or name another folder"):
+                    create_store(path, request, names, events)
             with contextlib.closing(cls(path, request)) as store:
                 yield store
 
@@ -206,13 +211,6 @@ class ResultsStore:
             return ""
 
 
-def _make_writable(folder: Path) -> None:
-    with refuse_unwritable("Cannot write to the folder of a results store", where=folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-
-
 def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
     """SHA-256 of the results of one motion."""
     digest = hashlib.sha256()
@@ -220,15 +218,6 @@ def _digest(windows: Sequence[Sequence[NDArray[np.generic]]]) -> str:
         for values in variables:
             digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
-
-
-def _create(path: Path, request: SweepRequest, names: Sequence[str], events: Sequence[str]) -> None:
-    with refuse_unwritable(
-        "Cannot write to the folder of a results store",
-        where=path,
-        remedy="Make room, or name another folder",
-    ):
-        create_store(path, request, names, events)
 
 
 def _check_resumable(path: Path, request: SweepRequest, names: Sequence[str], *, resume: bool) -> None:

@@ -34,7 +34,7 @@ from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.method import Method
 from reliab.validation.counts import COUNTS, DIMENSIONS, CrossValidation
 from reliab.validation.folds import Fold
-from reliab.validation.truth import Actuators, Cell, EllipseTruth, Region, Truth, draw_trials
+from reliab.validation.truth import Cell, EllipseTruth, Region, Truth, draw_trials
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -278,17 +278,15 @@ def _judge(
         rows = np.flatnonzero(is_judged[:, motion])
         if not rows.size:
             continue
-        errors = truth.errors(cell, motion, *_concatenate([tests, *(edges[k] for k in rows)]))
+        actuators = [tests, *(edges[k] for k in rows)]
+        gains = np.concatenate([part.gain for part in actuators])
+        delays = np.concatenate([part.delay for part in actuators])
+        errors = truth.errors(cell, motion, gains, delays)
         trial_errors, edge_errors = errors[:trials], errors[trials:].reshape(rows.size, -1)
         outcomes = np.concatenate(
             [_containment(edge_errors, axes[motion], limits[rows]), _fates(trial_errors, is_accepted[rows])]
         )
         np.add.at(counts[..., motion].transpose(1, 2, 0), tuple(places[rows].T), outcomes.T)
-
-
-def _concatenate(parts: Sequence[Actuators]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Gains and delays of several sets of tests, one after the other."""
-    return np.concatenate([part.gain for part in parts]), np.concatenate([part.delay for part in parts])
 
 
 def _containment(

@@ -32,7 +32,6 @@ class Dirichlet(BoundMethod):
         "themselves and, beyond them, from a fitted distribution; motions of one earthquake count as "
         "fewer independent ones"
     )
-    exchangeable: ClassVar[str] = "motions, those of one earthquake correlated as analysis of variance finds"
 
     concentration: float = CONCENTRATION  # Weight of the fitted shape, as a number of motions
 

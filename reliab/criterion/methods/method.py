@@ -65,7 +65,6 @@ class Method(ABC):
 
     name: ClassVar[str]  # How the method is called on the command line
     meaning: ClassVar[str]  # What a confidence stated by the method means, as the end of a sentence
-    exchangeable: ClassVar[str]  # What has to be interchangeable for the method to keep its promise
     # Which ellipses it rests on: those inscribed in the boundaries, or the paper's, fitted to them
     curve: ClassVar[str] = CurveName.INSCRIBED
     # Whether a and b hold together unless one says otherwise; in the paper each holds for itself

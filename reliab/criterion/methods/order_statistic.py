@@ -36,9 +36,6 @@ class OrderStatistic(AssuredBound):
 
     name: ClassVar[str] = "order_statistic"
     meaning: ClassVar[str] = "a bound by order statistics, free of any distribution"
-    exchangeable: ClassVar[str] = (
-        "motions of any distribution, those of one earthquake correlated as analysis of variance finds"
-    )
     distribution_free: ClassVar[bool] = True
 
     def achievable_confidence(self, n_motions: int, n_events: int) -> float:

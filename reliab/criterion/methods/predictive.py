@@ -26,7 +26,6 @@ class Predictive(BoundMethod):
 
     name: ClassVar[str] = "predictive"
     meaning: ClassVar[str] = "the predictive probability for one further motion, if motions are lognormal"
-    exchangeable: ClassVar[str] = "motions, each counted as independent and lognormal"
     lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:

@@ -33,7 +33,6 @@ class Quantile(BoundMethod):
         "the quantile of the fitted distribution, as in the paper: no allowance is made for how few "
         "motions there are"
     )
-    exchangeable: ClassVar[str] = "motions, each counted as independent"
     curve: ClassVar[str] = CurveName.ELLIPSE
     joint_by_default: ClassVar[bool] = False
 

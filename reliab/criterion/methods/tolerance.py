@@ -61,7 +61,6 @@ class Tolerance(AssuredBound):
         "a tolerance bound: suites like this one keep the promise with the stated assurance, if motions are "
         "lognormal about their earthquakes"
     )
-    exchangeable: ClassVar[str] = "earthquakes, and motions within each, lognormal"
     lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:

@@ -113,12 +113,9 @@ def split_line(line: RecordLine, header: RecordHeader) -> list[str]:
     if all(map(is_number, tokens)):
         return tokens
     if header.width is not None:
-        return _split_columns(line.text.rstrip(), header.width)
+        text, width = line.text.rstrip(), header.width
+        return [text[start : start + width].strip() for start in range(0, len(text), width)]
     return [number for token in tokens for number in _split_glued(token)]
-
-
-def _split_columns(text: str, width: int) -> list[str]:
-    return [text[start : start + width].strip() for start in range(0, len(text), width)]
 
 
 def _split_glued(token: str) -> list[str]:

@@ -298,7 +298,8 @@ def simulate_recording(
     strong = [_modulate_noise(*pair, times) for pair in zip(components, noises, strict=True)]
     motion = high_pass(np.pad(strong, ((0, 0), (quiet, quiet))), magnitude, TIME_STEP)
     intensities = np.array([component.arias_intensity for component in components])
-    motion *= np.sqrt(intensities / _arias_intensity(motion))[:, np.newaxis]
+    arias: Array = pi / (2.0 * STANDARD_GRAVITY) * TIME_STEP * np.sum(motion**2, axis=1)
+    motion *= np.sqrt(intensities / arias)[:, np.newaxis]
     if parameters.pulse is not None:
         motion[0, quiet : quiet + count] += pulse_acceleration(parameters.pulse, times)
     return motion
@@ -309,11 +310,6 @@ def _modulate_noise(component: ComponentParameters, noise: RandomStream, times: 
     frequency = filter_frequency(component, modulation, times)
     process = filter_noise(noise.normals(times.size), frequency, component.bandwidth, TIME_STEP)
     return process * modulation(times)
-
-
-def _arias_intensity(motion: Array) -> Array:
-    intensities: Array = pi / (2.0 * STANDARD_GRAVITY) * TIME_STEP * np.sum(motion**2, axis=1)
-    return intensities
 
 
 def rotate(motion: Array, angle: float) -> Array:

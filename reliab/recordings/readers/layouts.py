@@ -110,7 +110,10 @@ def _captures(tree: Tree, name: str) -> Iterator[tuple[str, _Histories]]:
 def _sibling_groups(tree: Mapping[str, Tree], name: str) -> Iterator[tuple[str, _Histories]]:
     """Take groups that hold histories of the same names: each is a test."""
     groups = {key: item for key, item in tree.items() if isinstance(item, Mapping)}
-    names_of_group = {key: _vector_names(item) for key, item in groups.items()}
+    names_of_group = {
+        key: frozenset(name for name, value in item.items() if _vector(value) is not None)
+        for key, item in groups.items()
+    }
     repeated_groups = [
         key
         for key, names in names_of_group.items()
@@ -121,10 +124,6 @@ def _sibling_groups(tree: Mapping[str, Tree], name: str) -> Iterator[tuple[str, 
             histories = _plain(groups[key])
             histories.scalars.update({k: v for k, v in _plain(tree).scalars.items() if "." not in k})
             yield f"{name}.{key}".lstrip("."), histories
-
-
-def _vector_names(tree: Mapping[str, Tree]) -> frozenset[str]:
-    return frozenset(key for key, item in tree.items() if _vector(item) is not None)
 
 
 def _dspace(tree: Mapping[str, Tree]) -> _Histories | None:
@@ -256,7 +255,11 @@ def _unit_of_series(item: Mapping[str, Tree]) -> str:
 
 def _matrix_with_names(tree: Mapping[str, Tree]) -> _Histories | None:
     """One matrix, with a list of as many names as it has columns, and perhaps another one of units."""
-    matrices = {key: item for key, item in tree.items() if _is_matrix(item)}
+    matrices = {
+        key: item
+        for key, item in tree.items()
+        if isinstance(item, np.ndarray | Series) and len(_columns_of(item)) > 1
+    }
     texts = {key: names for key, item in tree.items() if (names := _names(item))}
     for matrix in matrices.values():
         columns = _columns_of(matrix)
@@ -462,10 +465,6 @@ def _is_number_type(array: NDArray[Any]) -> bool:
     return bool(np.issubdtype(array.dtype, np.number) or array.dtype == np.bool_) and bool(
         np.isrealobj(array)
     )
-
-
-def _is_matrix(tree: Tree) -> bool:
-    return isinstance(tree, np.ndarray | Series) and len(_columns_of(tree)) > 1
 
 
 def _vector(tree: Tree) -> NDArray[np.float64] | None:

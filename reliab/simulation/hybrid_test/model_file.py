@@ -248,12 +248,12 @@ def _effect_lines(effect: Effect, sd: Mapping[str, float]) -> list[str]:
 
 def _table(head: str, remark: str = "", /, **content: float | str | None) -> list[str]:
     """Lines of a table without what is None."""
-    rows = [f"{key} = {_toml_value(value)}" for key, value in content.items() if value is not None]
+    rows = [
+        f"{key} = {_quote(value) if isinstance(value, str) else repr(float(value))}"
+        for key, value in content.items()
+        if value is not None
+    ]
     return ["", f"{head}{remark}", *rows]
-
-
-def _toml_value(value: float | str) -> str:
-    return _quote(value) if isinstance(value, str) else repr(float(value))
 
 
 def _quote(text: str) -> str:

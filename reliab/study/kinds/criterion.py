@@ -75,7 +75,7 @@ def report(study: CriterionStudy, folder: Path) -> Document:
         criteria=derivations.criteria,
         coverage=coverage,
         population=population,
-        real_motions=real_share(folder / REAL_MOTIONS),
+        real_motions=dict(read_result(judged)) if (judged := folder / REAL_MOTIONS).exists() else None,
         provenance=provenance,
         notes=refusals_of(folder),
         purpose=study.purpose,
@@ -112,16 +112,6 @@ def real_motion_stages(study: CriterionStudy, material: Material) -> list[Stage]
             work=work,
         )
     ]
-
-
-def real_share(path: Path) -> dict[str, float] | None:
-    """Read how many real motions contain the criterion of a run.
-
-    Returns [-].
-    Returns `rate`, `low`, `high` [-] (95 % interval over earthquakes), `n_motions` and `n_events`; None where
-    it was not judged.
-    """
-    return dict(read_result(path)) if path.exists() else None
 
 
 def _results(study: CriterionStudy) -> Path:

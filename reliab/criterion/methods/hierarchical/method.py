@@ -32,7 +32,6 @@ class HierarchicalMethod(Method):
     ln f and ln ξ for the laws `table` and `dimensionless`, and linear for `power`.
     """
 
-    exchangeable: ClassVar[str] = "earthquakes, and motions within each, lognormal about a common law"
     samples_chains: ClassVar[bool] = True
     robust: ClassVar[bool]
 

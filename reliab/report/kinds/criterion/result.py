@@ -353,7 +353,10 @@ def criterion_surfaces(
     letters(axes, (r"amplitude error $\sqrt{a}$ [%]", r"delay $\sqrt{b}$ [ms]"))
     for place, values in zip(axes[0], (amplitude_limit, delay_limit), strict=True):
         _draw(place, frequencies, damping_ratios, values.T)
-        _tick(place, grid_nodes)
+        for axis, nodes in zip((place.xaxis, place.yaxis), grid_nodes, strict=True):
+            axis.set_major_locator(FixedLocator(_spread(nodes)))
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter(FormatStrFormatter("%g"))
     name_axes(axes[0, 0], FREQUENCY, DAMPING_RATIO)
     axes[0, 1].set_xlabel(FREQUENCY)
     return figure
@@ -378,13 +381,6 @@ def _draw(
         lines = axes.contour(frequencies, damping_ratios, positive, levels=levels, colors=INK, linewidths=0.8)
         _label(axes, lines)
     axes.grid(visible=False)
-
-
-def _tick(axes: Axes, grid_nodes: tuple[NDArray[np.float64], NDArray[np.float64]]) -> None:
-    for axis, nodes in zip((axes.xaxis, axes.yaxis), grid_nodes, strict=True):
-        axis.set_major_locator(FixedLocator(_spread(nodes)))
-        axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(FormatStrFormatter("%g"))
 
 
 def _levels(low: float, high: float) -> NDArray[np.float64]:
