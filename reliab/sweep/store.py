@@ -41,8 +41,8 @@ from reliab.sweep.store_layout import (
     JOURNAL,
     RECORD_FIELDS,
     SCHEMA_VERSION,
-    ChunkNames,
     array_of,
+    chunk_path,
     consolidate,
     create_store,
     encode,
@@ -120,14 +120,6 @@ class ResultsStore:
             with contextlib.closing(cls(path, request)) as store:
                 yield store
 
-    @cached_property
-    def _chunk_names(self) -> list[dict[str, ChunkNames]]:
-        """Files of each variable, for each window."""
-        return [
-            {name: ChunkNames.from_array(Path(group, name), array) for name, array in arrays.items()}
-            for group, arrays in zip(group_names(self.request), self._arrays, strict=True)
-        ]
-
     def complete(self) -> list[bool]:
         """Tell for each motion whether its results are complete and undamaged."""
         with decoding(_RULE, remedy=_REMEDY, where=self.path):
@@ -139,9 +131,10 @@ class ResultsStore:
     def enter(self, motion: EncodedMotion) -> None:
         """Write the results of a motion, and enter it in the journal."""
         with self._safe(f"at {motion.name}"):
-            for names, chunks in zip(self._chunk_names, motion.windows, strict=True):
-                for variable, chunk in chunks.items():
-                    write_chunk(self.path, names[variable].path_of_motion(motion.index), chunk)
+            groups = zip(group_names(self.request), self._arrays, motion.windows, strict=True)
+            for group, arrays, chunks in groups:
+                for name, chunk in chunks.items():
+                    write_chunk(self.path, chunk_path(Path(group, name), arrays[name], motion.index), chunk)
             self._unwritten[motion.index] = motion.entry
             if time.monotonic() - self._journal_written >= _JOURNAL_EVERY:
                 self._write_journal()

@@ -9,7 +9,6 @@ import json
 import shutil
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -50,21 +49,9 @@ def encode(values: NDArray[np.generic]) -> bytes:
     return bytes(CRC32C(location="end").encode(content))
 
 
-@dataclass(frozen=True, kw_only=True)
-class ChunkNames:
-    """Names of the files of an array whose chunks hold one motion each."""
-
-    folder: Path  # Of the array, within the store
-    first: str  # Of the first motion, within that folder
-
-    @classmethod
-    def from_array(cls, folder: Path, array: Any) -> "ChunkNames":  # noqa: ANN401
-        """Names that an array prescribes; stores of older versions have folders for them."""
-        return cls(folder=folder, first=array.metadata.encode_chunk_key((0,) * array.ndim))
-
-    def path_of_motion(self, index: int) -> Path:
-        """Place of the file of a motion within the store."""
-        return self.folder / self.first.replace("0", str(index), 1)
+def chunk_path(folder: Path, array: Any, index: int) -> Path:  # noqa: ANN401
+    """Place of the results of a motion within the folder of an array, which prescribes their name."""
+    return Path(folder, array.metadata.encode_chunk_key((index, *[0] * (array.ndim - 1))))
 
 
 def write_chunk(store: Path, chunk_path: Path, chunk: bytes) -> None:

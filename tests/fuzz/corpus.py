@@ -30,7 +30,7 @@ from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_dataset import add_sides, write_ellipses
+from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.run import run_sweep
@@ -186,24 +186,23 @@ def studies() -> list[Case]:
 def ellipse_dataset() -> xr.Dataset:
     """Ellipses of 30 motions of 10 earthquakes at two structures."""
     random = np.random.default_rng(17)
-    shape = (30, 2, 1, 1, 1, 1)
+    shape = (30, 2, 1, 1, 1, 1, 1)
     a, b = (np.exp(random.normal(mean, 0.4, shape)) for mean in (-8.0, 1.0))
-    dims = ("motion", "f", "xi", "threshold", "metric", "curve")
-    return add_sides(
-        xr.Dataset(
-            {"a": (dims, a), "b": (dims, b)},
-            coords={
-                "motion": [f"E{k // 3}/M{k}" for k in range(30)],
-                "event": ("motion", [f"E{k // 3}" for k in range(30)]),
-                "checksum": ("motion", [f"{k:064d}" for k in range(30)]),
-                "f": [0.5, 1.0],
-                "xi": [0.02],
-                "threshold": [0.05],
-                "metric": ["rms"],
-                "curve": ["ellipse"],
-            },
-            attrs={"window": "record", "experimental_fraction": 1.0},
-        )
+    dims = ("motion", "f", "xi", "threshold", "metric", "curve", "side")
+    return xr.Dataset(
+        {"a": (dims, a), "b": (dims, b)},
+        coords={
+            "motion": [f"E{k // 3}/M{k}" for k in range(30)],
+            "event": ("motion", [f"E{k // 3}" for k in range(30)]),
+            "checksum": ("motion", [f"{k:064d}" for k in range(30)]),
+            "f": [0.5, 1.0],
+            "xi": [0.02],
+            "threshold": [0.05],
+            "metric": ["rms"],
+            "curve": ["ellipse"],
+            "side": ["lag"],
+        },
+        attrs={"window": "record", "experimental_fraction": 1.0},
     )
 
 

@@ -16,7 +16,7 @@ from reliab.sweep import store as stores
 from reliab.sweep.grid import ExplicitGrid
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
-from reliab.sweep.store_layout import ChunkNames, codecs, encode, write_chunk
+from reliab.sweep.store_layout import chunk_path, codecs, encode, write_chunk
 
 
 @pytest.fixture
@@ -218,6 +218,6 @@ def test_bytes_are_those_of_zarr(tmp_path, dtype, separator):
     array[0] = values
     (first,) = (file for file in (tmp_path / "store" / "values").rglob("*0") if file.is_file())
     assert first.read_bytes() == encode(values)
-    motion_variance = ChunkNames.from_array(Path("values"), array).path_of_motion(1)
+    motion_variance = chunk_path(Path("values"), array, 1)
     write_chunk(tmp_path / "store", motion_variance, encode(values))
     np.testing.assert_array_equal(array[1], values)
