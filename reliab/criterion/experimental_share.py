@@ -10,7 +10,6 @@ For α far above ξ that is 1/α². The specimen must be a spring: nothing is sa
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -125,37 +124,19 @@ _NEAR_REACH = 0.9  # of the largest a that a boundary can have, since it is not 
 _LOG_STRENGTHS: Final = (-12.0, 24.0)  # natural logarithms between which the strength is sought
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShareRatio:
-    """Limits at a share of the stiffness over those at the largest share."""
-
-    # f, xi, alpha, reference: Natural frequency [Hz], damping ratio, share, and the largest share [-]
-    f: float
-    xi: float
-    alpha: float
-    reference: float
-    threshold: float  # threshold, confidence: What the criteria state [-]
-    confidence: float
-    # a_ratio, b_ratio: Limits over those of the reference [-]; None where a limit is zero, and for a where
-    # boundaries reach as far as they are traced
-    a_ratio: float | None
-    b_ratio: float | None
-    law: float | None  # The same by the law [-]; None below ten damping ratios, where it is not stated
-    # a_deviation, b_deviation: Ratios over that of the law, less 1 [-]; None where either is missing
-    a_deviation: float | None
-    b_deviation: float | None
-
-
 def compare_shares(
     criteria: Sequence[Criterion], structures: Sequence[tuple[float, float]]
 ) -> dict[str, list[dict[str, Any]]]:
     """Compare criteria of several shares of the stiffness with the law of the share.
 
     `criteria`: criteria of several shares, alike in all else, at one or more thresholds and confidences;
-    `structures`: natural frequencies [Hz] and damping ratios [-]. Returns `ratios`, a list of the fields of
-    :class:`ShareRatio`, and `fits`, a list with `f`, `xi`, `threshold`, `confidence`, `white_noise`, the
-    strength 1/8ξ² of the law, and for a and b the fitted `strength` and the `largest_deviation` of the ratios
-    from the law with it (None without two ratios).
+    `structures`: natural frequencies [Hz] and damping ratios [-]. Returns `ratios`, a list with `f`, `xi`,
+    `alpha`, `reference`, the largest share [-], `threshold`, `confidence`, `a_ratio` and `b_ratio`, limits
+    over those of the reference [-] (None where a limit is zero, and for a where boundaries reach as far as
+    they are traced), `law`, the same by the law (None below ten damping ratios, where it is not stated), and
+    `a_deviation` and `b_deviation`, ratios over that of the law, less 1 [-]; and `fits`, a list with `f`,
+    `xi`, `threshold`, `confidence`, `white_noise`, the strength 1/8ξ² of the law, and for a and b the fitted
+    `strength` and the `largest_deviation` of the ratios from the law with it (None without two ratios).
     """
     promises = dict.fromkeys((criterion.threshold, criterion.confidence) for criterion in criteria)
     groups = [
@@ -164,7 +145,7 @@ def compare_shares(
     ]
     comparisons = [_ratios(group, *structure) for structure in structures for group in groups]
     return {
-        "ratios": [asdict(ratio) for ratios in comparisons for ratio in ratios],
+        "ratios": [ratio for ratios in comparisons for ratio in ratios],
         "fits": [_fits(ratios) for ratios in comparisons if ratios],
     }
 
@@ -193,7 +174,7 @@ def fit_strength(shares: Array, ratios: Array, reference: float) -> tuple[float,
     return float(np.exp(best.x)), float(np.abs(np.expm1(residuals(best.x))).max())
 
 
-def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRatio]:
+def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[dict[str, Any]]:
     """Ratios of one structure at one threshold and confidence."""
     limits = {
         criterion.provenance.experimental_fraction: [float(limit) for limit in criterion.limits(f, xi)]
@@ -213,19 +194,19 @@ def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[ShareRat
         is_stated = share >= LEAST_SHARE_OVER_DAMPING * xi
         law = float(growth(share, xi) / growth(reference, xi)) if is_stated else None
         ratios.append(
-            ShareRatio(
-                f=f,
-                xi=xi,
-                alpha=share,
-                reference=reference,
-                threshold=criteria[0].threshold,
-                confidence=criteria[0].confidence,
-                a_ratio=a,
-                b_ratio=b,
-                law=law,
-                a_deviation=_deviation(a, law),
-                b_deviation=_deviation(b, law),
-            )
+            {
+                "f": f,
+                "xi": xi,
+                "alpha": share,
+                "reference": reference,
+                "threshold": criteria[0].threshold,
+                "confidence": criteria[0].confidence,
+                "a_ratio": a,
+                "b_ratio": b,
+                "law": law,
+                "a_deviation": _deviation(a, law),
+                "b_deviation": _deviation(b, law),
+            }
         )
     return ratios
 
@@ -234,21 +215,18 @@ def _deviation(ratio: float | None, law: float | None) -> float | None:
     return None if ratio is None or law is None else ratio / law - 1.0
 
 
-def _fits(ratios: Sequence[ShareRatio]) -> dict[str, Any]:
+def _fits(ratios: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Strengths of resonance fitted to the ratios of one structure."""
     first = ratios[0]
     fits: dict[str, Any] = {
-        "f": first.f,
-        "xi": first.xi,
-        "threshold": first.threshold,
-        "confidence": first.confidence,
-        "white_noise": 1.0 / (8.0 * first.xi**2),
+        **{name: first[name] for name in ("f", "xi", "threshold", "confidence")},
+        "white_noise": 1.0 / (8.0 * first["xi"] ** 2),
     }
     for name in ("a", "b"):
-        pairs = [(ratio.alpha, getattr(ratio, f"{name}_ratio")) for ratio in ratios]
+        pairs = [(ratio["alpha"], ratio[f"{name}_ratio"]) for ratio in ratios]
         points = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
         strength, deviation = (
-            fit_strength(points[:, 0], points[:, 1], first.reference) if len(points) > 1 else (None, None)
+            fit_strength(points[:, 0], points[:, 1], first["reference"]) if len(points) > 1 else (None, None)
         )
         fits |= {f"{name}_strength": strength, f"{name}_largest_deviation": deviation}
     return fits

@@ -17,19 +17,6 @@ _SIMULATIONS = 1999
 _SEED = 2017
 
 
-@dataclass(frozen=True, kw_only=True)
-class LognormalityTest:
-    """Tests of whether logarithms of motions are normal.
-
-    p-values of the first two are simulated, since mean and spread are fitted to the same motions; all
-    three count the motions as independent.
-    """
-
-    kolmogorov_smirnov: float  # kolmogorov_smirnov, anderson_darling, shapiro_wilk: p-values
-    anderson_darling: float
-    shapiro_wilk: float
-
-
 def objection(values: ArrayLike, parameter: str) -> str:
     """Say that a lognormal distribution does not fit; return nothing where it does.
 
@@ -49,18 +36,19 @@ def objection(values: ArrayLike, parameter: str) -> str:
     )
 
 
-def lognormality(values: ArrayLike) -> LognormalityTest:
+def lognormality(values: ArrayLike) -> dict[str, float]:
     """Test whether values over motions are lognormal.
 
     `values`: positive values, shape (motions,), at least three. Returns p-values of the Kolmogorov-Smirnov,
-    Anderson-Darling and Shapiro-Wilk tests.
+    Anderson-Darling and Shapiro-Wilk tests. Those of the first two are simulated, since mean and spread are
+    fitted to the same motions; all three count the motions as independent.
 
-    >>> round(lognormality(np.random.default_rng(1).pareto(2.0, size=80) + 1.0).anderson_darling, 3)
+    >>> round(lognormality(np.random.default_rng(1).pareto(2.0, size=80) + 1.0)["anderson_darling"], 3)
     0.001
     """
     logarithms = np.log(values)
-    simulated_statistics = (
-        float(
+    simulated = {
+        test: float(
             scipy.stats.goodness_of_fit(
                 scipy.stats.norm,
                 logarithms,
@@ -69,14 +57,9 @@ def lognormality(values: ArrayLike) -> LognormalityTest:
                 rng=np.random.default_rng(_SEED),
             ).pvalue
         )
-        for name in ("ks", "ad")
-    )
-    kolmogorov_smirnov, anderson_darling = simulated_statistics
-    return LognormalityTest(
-        kolmogorov_smirnov=kolmogorov_smirnov,
-        anderson_darling=anderson_darling,
-        shapiro_wilk=float(scipy.stats.shapiro(logarithms).pvalue),
-    )
+        for test, name in (("kolmogorov_smirnov", "ks"), ("anderson_darling", "ad"))
+    }
+    return {**simulated, "shapiro_wilk": float(scipy.stats.shapiro(logarithms).pvalue)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

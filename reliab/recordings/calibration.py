@@ -120,14 +120,7 @@ def calibrate_channels(
     skew, scale, hysteresis, remainder = channels.estimate()
     if remainder > _MODEL_MARGIN * channels.noise_gain * white + _ALWAYS_LEFT * channels.half_range:
         if estimate is None:
-            share = percent(remainder / channels.half_range, decimals=2)
-            raise InputError(
-                f"This looks like a real test: {share} of the motion's amplitude is neither skew, scale, "
-                "hysteresis nor noise",
-                remedy="Feed one signal to both channels, or move in steps with rests above "
-                f"{_SHORTEST_REST:g} s",
-                where=recording.name,
-            )
+            raise _never_rests(recording, remainder / channels.half_range)
         unsure = StatedValue(estimate.hysteresis.value, _unsure(estimate.hysteresis))
         return replace(calibration, scale=estimate.scale, hysteresis=unsure, notes=(_ACTUATOR_MOVES,))
     deviations = channels.deviations(skew, scale, hysteresis)
@@ -139,6 +132,15 @@ def calibrate_channels(
         scale=estimate.scale if estimate else StatedValue(scale, float(deviations[1])),
         hysteresis=estimate.hysteresis if estimate else StatedValue(hysteresis, float(deviations[2])),
         notes=() if actuator_delay_ms else (_HOLDS_DELAY,),
+    )
+
+
+def _never_rests(recording: Recording, remainder: float) -> InputError:
+    return InputError(
+        f"This looks like a real test: {percent(remainder, decimals=2)} of the motion's amplitude is neither "
+        "skew, scale, hysteresis nor noise",
+        remedy=f"Feed one signal to both channels, or move in steps with rests above {_SHORTEST_REST:g} s",
+        where=recording.name,
     )
 
 

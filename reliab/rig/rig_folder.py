@@ -139,7 +139,8 @@ class RigFolder:
             except (InputError, KeyError, TypeError) as error:
                 faults[self._test_path(sha).name] = str(error)
                 continue
-            change = {CHANGE: cached_row[CHANGE]} if _says_the_same(cached_row, row) else {}
+            cached_values = {name: cached_row[name] for name in cached_row.keys() - {STATE, CHANGE}}
+            change = {CHANGE: cached_row[CHANGE]} if row == cached_values else {}
             current[sha] = {**row, **change, STATE: state}
         if current.keys() == rows.keys() and all(CHANGE in row for row in current.values()):
             return sort_table(current.values(), faults)
@@ -184,8 +185,3 @@ def _mark_changes(table: RigTable) -> RigTable:
     flags = drift_chart(table.rows).flags
     rows = [{**row, CHANGE: flag} for row, flag in zip(table.rows, flags, strict=True)]
     return RigTable(rows=rows, faults=table.faults)
-
-
-def _says_the_same(cached_row: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
-    """Whether a row of the table was made of such a test."""
-    return row == {name: value for name, value in cached_row.items() if name not in (STATE, CHANGE)}

@@ -88,11 +88,7 @@ def _noise_below(frequency: Array, power: Array, highest: float, rate: float) ->
         if float(power[band].mean()) > _STEEPEST * chance * float(power[upper_band].mean()):
             break
         edges.append(lower)
-    return _fit_above(frequency, power, edges[max(len(edges) - 3, 0)], rate)
-
-
-def _fit_above(frequency: Array, power: Array, lowest: float, rate: float) -> NoiseModel:
-    is_above = frequency > lowest
+    is_above = frequency > edges[max(len(edges) - 3, 0)]
     return fit_noise([Periodogram(frequency=frequency[is_above], power=power[is_above])], rate)
 
 

@@ -162,12 +162,6 @@ class RecordsStudy(Study):
 
     motions: RecordsTable = RecordsTable()
 
-    def full_title(self, population: str) -> str:
-        """Title of the report with the ground motions that it is about, in words."""
-        if self.title.endswith("?"):
-            return f"{self.title} {population[:1].upper()}{population[1:]}"
-        return f"{self.title}: {population}"
-
     def replace_motions(self, sources: Sequence[str] | None, sets: Sequence[str] | None) -> Self:
         """Return the same study on other records."""
         present = self.motions.model_dump()

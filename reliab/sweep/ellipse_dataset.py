@@ -142,11 +142,10 @@ def share_at_rest(ellipses: xr.Dataset) -> xr.DataArray:
 _RULE = "Ellipses in NetCDF are a and b over motion, f, xi, threshold and metric"
 _LENGTH = "length"
 _REMEDY = "Check the path, or write the file with `reliab ellipses --out FILE.nc`"
-_ORDER_AT_REST = (Dimension.MOTION, Dimension.FREQUENCY, Dimension.DAMPING_RATIO, Dimension.METRIC)
 _VARIABLES = {  # dimensions beside windows and shares, and kinds of numbers
     **dict.fromkeys(("a", "b", "sse"), (ELLIPSE_DIMENSIONS, "f")),
     **dict.fromkeys(("n", "no_ellipse"), (ELLIPSE_DIMENSIONS, "biuf")),
-    "error_at_rest": (_ORDER_AT_REST, "f"),
+    "error_at_rest": (_REST_DIMENSIONS, "f"),
     **dict.fromkeys(("duration", "dt", "pga"), ((Dimension.MOTION,), "iuf")),
 }
 

@@ -14,12 +14,10 @@ from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 from reliab.motions.motion import Motion
 from reliab.simulation.effect_loop import EffectLoop
 from reliab.simulation.engine import Engine, Loop
-from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.structure import Structure
 from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates, outlines_of
-from reliab.sweep.request import check_model, excitation_of, loop_of, structures_of
+from reliab.sweep.request import StructureGrid, excitation_of, loop_of
 from reliab.sweep.shares import concatenate_shares
 from reliab.tracking.boundary.curves import Curve, Ellipse
 from reliab.tracking.boundary.first_order import first_order_ellipse
@@ -32,14 +30,12 @@ _MOTIONS_AT_A_TIME = 64
 
 
 @dataclass(frozen=True, kw_only=True)
-class EllipseRequest:
+class EllipseRequest(StructureGrid):
     """Structures, errors and curves for which boundaries are traced.
 
     Raises InputError if the model has another structure, or leads are requested together with a model.
     """
 
-    frequencies: tuple[float, ...]  # Natural frequencies [Hz]
-    damping_ratios: tuple[float, ...]  # Damping ratios [-]
     thresholds: tuple[float, ...] = (0.05,)  # Errors on the boundary [-]
     metrics: tuple[Metric, ...] = (Metric.RMS,)  # RMS^R, MTE^R or both
     # Curves fitted to the boundary; the least-squares ellipse and the inscribed ellipse by default
@@ -47,25 +43,15 @@ class EllipseRequest:
     # Sides of the boundary: actuators that are late, early, or both, which is the default
     sides: tuple[Side, ...] = tuple(Side)
     window: Window = field(default_factory=Window)  # Part of the record over which the error is computed
-    # Shares of the stiffness in the laboratory [-]; the whole of it by default
-    experimental_fractions: tuple[float, ...] = (1.0,)
     engine: Engine = Engine.AUTOMATIC  # How the loop is solved
-    # A model with effects of the one structure requested; the boundary then refers to gain and delay of the
-    # actuator alone, and leads are not allowed
-    model: HybridTest | None = None
 
     def __post_init__(self) -> None:
-        check_model(self.model, self.structures)
+        super().__post_init__()
         if self.model is not None and Side.LEAD in self.sides:
             raise InputError(
                 "With effects, boundaries exist for late actuators only",
                 remedy="Ask for the side lag",
             )
-
-    @property
-    def structures(self) -> list[Structure]:
-        """Every structure, the share of the stiffness varying fastest, then the damping ratio."""
-        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fractions)
 
     def each_share(
         self, compute: Callable[["EllipseRequest", Progress], xr.Dataset], progress: Progress

@@ -1,6 +1,5 @@
 """A sweep asked for in plain numbers and names, as on the command line."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -11,7 +10,7 @@ from reliab.motions.suite import MotionSuite
 from reliab.simulation.engine import Engine
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.sweep.grid import ExplicitGrid, Grid, ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import StructureGrid, SweepRequest
 from reliab.sweep.several import Names, Numbers, as_names
 from reliab.tracking.indices.window import Window
 
@@ -27,54 +26,42 @@ WHOLLY_EXPERIMENTAL: Final = 1.0
 """Share of the stiffness in the laboratory where none is given [-]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class StatedStructures:
-    """Structures in plain numbers, or the one that a model with effects brings."""
+def structure_grid(
+    *, f: Numbers | None, xi: Numbers | None, alpha: Numbers, model: str | Path | HybridTest | None
+) -> StructureGrid:
+    """Take the structures that were stated, of 1 Hz and 2 % where nothing was, or that of a model.
 
-    # frequencies, damping_ratios, experimental_fractions: Natural frequencies [Hz], damping ratios [-] and
-    # shares of the stiffness in the laboratory [-]
-    frequencies: tuple[float, ...]
-    damping_ratios: tuple[float, ...]
-    experimental_fractions: tuple[float, ...]
-    model: HybridTest | None = None  # The model, if there is one
-
-    @classmethod
-    def from_plain(
-        cls, *, f: Numbers | None, xi: Numbers | None, alpha: Numbers, model: str | Path | HybridTest | None
-    ) -> "StatedStructures":
-        """Take what was stated, and 1 Hz and 2 % where nothing was.
-
-        `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; `alpha`: experimental fraction of the
-        stiffness [-]; several are put in increasing order; `model`: a hybrid test with effects, or the file
-        of one. Raises InputError if a model is stated beside a structure, or has none.
-        """
-        frequencies, ratios = (() if values is None else as_names(values) for values in (f, xi))
-        shares = tuple(sorted(as_names(alpha)))
-        if model is None:
-            return cls(
-                frequencies=frequencies or _FREQUENCIES,
-                damping_ratios=ratios or _DAMPING_RATIOS,
-                experimental_fractions=shares,
-            )
-        if frequencies or ratios or shares != (WHOLLY_EXPERIMENTAL,):
-            raise InputError(
-                "The model contains its structure",
-                value="f, xi or alpha beside it",
-                remedy="Leave these out, or change the [structure] table of the model",
-            )
-        test = _test(model)
-        if test.structure is None:
-            raise InputError(
-                "The error of a whole test needs a numerical substructure",
-                remedy="Add a [structure] table to the model",
-                where="" if isinstance(model, HybridTest) else str(model),
-            )
-        return cls(
-            frequencies=(test.structure.frequency,),
-            damping_ratios=(test.structure.damping_ratio,),
-            experimental_fractions=(test.structure.experimental_fraction,),
-            model=test,
+    `f`, `xi`: natural frequencies [Hz] and damping ratios [-]; `alpha`: experimental fraction of the
+    stiffness [-]; several are put in increasing order; `model`: a hybrid test with effects, or the file of
+    one. Raises InputError if a model is stated beside a structure, or has none.
+    """
+    frequencies, ratios = (() if values is None else as_names(values) for values in (f, xi))
+    shares = tuple(sorted(as_names(alpha)))
+    if model is None:
+        return StructureGrid(
+            frequencies=frequencies or _FREQUENCIES,
+            damping_ratios=ratios or _DAMPING_RATIOS,
+            experimental_fractions=shares,
         )
+    if frequencies or ratios or shares != (WHOLLY_EXPERIMENTAL,):
+        raise InputError(
+            "The model contains its structure",
+            value="f, xi or alpha beside it",
+            remedy="Leave these out, or change the [structure] table of the model",
+        )
+    test = _test(model)
+    if test.structure is None:
+        raise InputError(
+            "The error of a whole test needs a numerical substructure",
+            remedy="Add a [structure] table to the model",
+            where="" if isinstance(model, HybridTest) else str(model),
+        )
+    return StructureGrid(
+        frequencies=(test.structure.frequency,),
+        damping_ratios=(test.structure.damping_ratio,),
+        experimental_fractions=(test.structure.experimental_fraction,),
+        model=test,
+    )
 
 
 def _test(model: str | Path | HybridTest) -> HybridTest:
@@ -105,7 +92,7 @@ def sweep_request(
     >>> sweep_request(f=[2.0, 0.5]).frequencies
     (0.5, 2.0)
     """
-    structures = StatedStructures.from_plain(f=f, xi=xi, alpha=alpha, model=model)
+    structures = structure_grid(f=f, xi=xi, alpha=alpha, model=model)
     return SweepRequest(
         frequencies=tuple(sorted(structures.frequencies)),
         damping_ratios=tuple(sorted(structures.damping_ratios)),

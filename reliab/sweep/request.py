@@ -2,8 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import product
 
 import numpy as np
 
@@ -28,25 +28,58 @@ _BYTES_OF_CELL = 4 * 8 + 1  # of RMS^R, MTE^R, A and d, and whether it is stable
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepRequest:
+class StructureGrid:
+    """Every frequency with every damping ratio and share of the stiffness, or the structure of a model.
+
+    Raises InputError if there are too many, or the model has another structure.
+    """
+
+    frequencies: tuple[float, ...]  # Natural frequencies [Hz]
+    damping_ratios: tuple[float, ...]  # Damping ratios [-]
+    # Shares of the stiffness in the laboratory [-]; the whole of it by default
+    experimental_fractions: tuple[float, ...] = (1.0,)
+    # A model with effects of the one structure; A and d are then those of its actuator alone
+    model: HybridTest | None = None
+
+    def __post_init__(self) -> None:
+        structures = self.structures
+        if self.model is not None and structures != [self.model.structure]:
+            raise InputError(
+                "A model with effects holds for its own structure only",
+                value=f"{len(structures)} structures, the first of {structures[0].frequency:g} Hz",
+                remedy="Leave out the structures; the model contains its own",
+            )
+
+    @property
+    def structures(self) -> list[Structure]:
+        """Every structure, the share of the stiffness varying fastest, then the damping ratio."""
+        number = len(self.frequencies) * len(self.damping_ratios) * len(self.experimental_fractions)
+        if number > MOST_STRUCTURES:
+            raise InputError(
+                f"More than {MOST_STRUCTURES:,} structures: each frequency meets each damping ratio and "
+                "share",
+                value=f"{number:,}",
+                remedy="Ask for fewer at once, and for the others afterwards",
+            )
+        return [
+            Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
+            for f, xi, share in product(self.frequencies, self.damping_ratios, self.experimental_fractions)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepRequest(StructureGrid):
     """Structures, actuators and windows that are simulated for every ground motion.
 
     Raises InputError if frequencies, damping ratios, shares or windows are missing, repeated or not
     increasing, or the model has another structure.
     """
 
-    frequencies: tuple[float, ...]  # Natural frequencies [Hz], increasing
-    damping_ratios: tuple[float, ...]  # Damping ratios [-], increasing
     # Actuators to simulate; scaled to the structures by default
     grid: Grid = field(default_factory=ScaledGrid)
     # Parts of the record over which errors are computed; the whole record by default
     windows: tuple[Window, ...] = (Window(),)
-    # Shares of the stiffness in the laboratory [-], increasing; the whole of it by default
-    experimental_fractions: tuple[float, ...] = (1.0,)
     engine: Engine = Engine.AUTOMATIC  # How the loop is solved
-    # A model with effects of the one structure requested; A and d of the results are then those of the
-    # actuator alone
-    model: HybridTest | None = None
 
     def __post_init__(self) -> None:
         for name, values in (
@@ -65,7 +98,7 @@ class SweepRequest:
                 value=labels,
                 remedy="Give each window once",
             )
-        check_model(self.model, self.structures)
+        super().__post_init__()
         self._require_memory()
         if self.model is not None and self.grid.leads:
             raise InputError(
@@ -85,11 +118,6 @@ class SweepRequest:
                 f"{len(self.windows)} windows and {actuators:,} actuators",
                 remedy="Simulate fewer structures or windows at once, each part into a store of its own",
             )
-
-    @property
-    def structures(self) -> list[Structure]:
-        """Every structure, the share of the stiffness varying fastest, then the damping ratio."""
-        return structures_of(self.frequencies, self.damping_ratios, self.experimental_fractions)
 
     @property
     def structure_axes(self) -> dict[Dimension, tuple[float, ...]]:
@@ -124,35 +152,6 @@ class SweepRequest:
     def digest(self) -> str:
         """SHA-256 of everything that determines the results for a given record, in hexadecimal."""
         return hashlib.sha256(json.dumps(self.describe(), sort_keys=True).encode()).hexdigest()
-
-
-def structures_of(
-    frequencies: Sequence[float], damping_ratios: Sequence[float], experimental_fractions: Sequence[float]
-) -> list[Structure]:
-    """Every frequency [Hz] with every damping ratio [-] and share [-] as a structure, the share fastest."""
-    number = len(frequencies) * len(damping_ratios) * len(experimental_fractions)
-    if number > MOST_STRUCTURES:
-        raise InputError(
-            f"More than {MOST_STRUCTURES:,} structures: each frequency meets each damping ratio and share",
-            value=f"{number:,}",
-            remedy="Ask for fewer at once, and for the others afterwards",
-        )
-    return [
-        Structure(frequency=f, damping_ratio=xi, experimental_fraction=share)
-        for f in frequencies
-        for xi in damping_ratios
-        for share in experimental_fractions
-    ]
-
-
-def check_model(model: HybridTest | None, structures: list[Structure]) -> None:
-    """Refuse a model with effects whose structure is not the one requested."""
-    if model is not None and structures != [model.structure]:
-        raise InputError(
-            "A model with effects holds for its own structure only",
-            value=f"{len(structures)} structures, the first of {structures[0].frequency:g} Hz",
-            remedy="Leave out the structures; the model contains its own",
-        )
 
 
 def loop_of(

@@ -21,16 +21,6 @@ TAIL = 0.05
 """The quantile by which tails are judged, that of a criterion at 95 %."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class HeldOutScores:
-    """Scores of every motion by a distribution fitted without its earthquake."""
-
-    # Logarithm of the density of the motion's logarithm; higher is better, shape (motions,)
-    log_score: NDArray[np.float64]
-    # Pinball loss of the 5 % quantile of the logarithm; lower is better, shape (motions,)
-    tail_score: NDArray[np.float64]
-
-
 def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[NDArray[np.bool_]]:
     """Masks of the motions of each earthquake in turn, shape (motions,)."""
     for event in np.unique(events):
@@ -39,10 +29,11 @@ def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[NDArray[np.bool_]]
 
 def score_held_out_events(
     values: NDArray[np.float64], events: NDArray[np.str_], family: type[Distribution]
-) -> HeldOutScores:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Score motions by a distribution fitted to those of all other earthquakes.
 
-    `values`, `events` (motions,).
+    `values`, `events` (motions,). Returns the logarithm of the density of each motion's logarithm, of which
+    more is better, and the pinball loss of the 5 % quantile of the logarithm, of which less is, (motions,).
     """
     log_score, tail_score = np.empty(values.size), np.empty(values.size)
     for held_out in leave_one_event_out(events):
@@ -50,7 +41,7 @@ def score_held_out_events(
         log_score[held_out] = distribution.log_density(values[held_out]) + np.log(values[held_out])
         excess = np.log(values[held_out]) - np.log(distribution.quantile(TAIL))
         tail_score[held_out] = excess * (TAIL - (excess < 0.0))
-    return HeldOutScores(log_score=log_score, tail_score=tail_score)
+    return log_score, tail_score
 
 
 def compare_distributions(values: NDArray[np.float64], events: NDArray[np.str_]) -> pd.DataFrame:
@@ -64,16 +55,16 @@ def compare_distributions(values: NDArray[np.float64], events: NDArray[np.str_])
     >>> compare_distributions(values, events).loc["weibull", "gain"] > 0.0
     np.True_
     """
-    reference = score_held_out_events(values, events, Lognormal)
+    reference, _ = score_held_out_events(values, events, Lognormal)
     rows = {}
     for name, family in DISTRIBUTIONS.items():
-        scores = score_held_out_events(values, events, family)
-        difference = scores.log_score - reference.log_score
+        log_score, tail_score = score_held_out_events(values, events, family)
+        difference = log_score - reference
         rows[name] = {
-            "log_score": scores.log_score.mean(),
+            "log_score": log_score.mean(),
             "gain": difference.mean(),
             "standard_error": _error_over_events(difference, events),
-            "tail_score": scores.tail_score.mean(),
+            "tail_score": tail_score.mean(),
             "quantile_05": float(family.fit(values).quantile(TAIL)),
         }
     return pd.DataFrame.from_dict(rows, orient="index").sort_values("log_score", ascending=False)

@@ -181,8 +181,6 @@ def compare_candidates(result: Criteria) -> dict[str, Any]:
 def _distributions(
     dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
 ) -> list[dict[str, Any]]:
-    from dataclasses import asdict
-
     from reliab.criterion.ellipse_sample import sample_of
     from reliab.criterion.goodness_of_fit import lognormality
     from reliab.validation.comparison import compare_distributions
@@ -195,7 +193,7 @@ def _distributions(
         {
             **coordinates,
             "parameter": name,
-            "lognormality": asdict(lognormality(values)),
+            "lognormality": lognormality(values),
             "scores": compare_distributions(values, sample.events)
             .rename_axis("distribution")
             .reset_index()

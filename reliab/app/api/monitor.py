@@ -87,12 +87,16 @@ def follow_test(
     ('end', 'reliable')
     """
     question: dict[str, Any] = {**request}
-    _require_clock(request["rate"], **{name: question[name] for name in ("every", "wait", "start_within")})
+    if request["rate"] is not None:
+        require_physical("sampling rate", request["rate"], label="value of `rate`")
+    for name in ("every", "wait", "start_within"):
+        require_physical("number", question[name], label=f"value of `{name}`", remedy="Give it in seconds")
     path = str(source) if str(source) == "-" else str(find_test(source))
     laboratory = FileReading.from_question(request).laboratory()
     model, frame = read_followed_model(question), read_followed_frame(question)
     channel = _parse_force_channel(question)
-    values = _collect_stated_values(question, _find_mode(model, frame))
+    mode = None if model is None else model.test.structure
+    values = _collect_stated_values(question, mode if frame is None else frame.governing_mode)
     text = WholeText("standard input" if path == "-" else Path(path).name)
     rows = rows_as_written(
         text.keep(chunks_of_text(path, request["wait"], request["start_within"], say)),
@@ -116,14 +120,6 @@ def follow_test(
         message_interval=request["every"],
     )
     return test.follow(rows, laboratory.rate_hz)
-
-
-def _require_clock(rate: float | None, **seconds: float) -> None:
-    """Refuse a rate or a time that no test has."""
-    if rate is not None:
-        require_physical("sampling rate", rate, label="value of `rate`")
-    for name, value in seconds.items():
-        require_physical("number", value, label=f"value of `{name}`", remedy="Give it in seconds")
 
 
 def read_followed_model(question: Mapping[str, Any]) -> UpdatedModel | None:
@@ -167,13 +163,6 @@ def _parse_force_channel(question: Mapping[str, Any]) -> ForceChannel | None:
     if has_frame:
         refuse_stated(question, "mass", reason="together with `structure`, which describes the test")
     return question["force_channel"] or ForceChannel()
-
-
-def _find_mode(model: UpdatedModel | None, frame: FrameUnderTest | None) -> Structure | None:
-    """Structure whose frequency, damping and share stand for those of a model or a frame."""
-    if frame is not None:
-        return frame.governing_mode
-    return None if model is None else model.test.structure
 
 
 def _collect_stated_values(question: Mapping[str, Any], mode: Structure | None) -> dict[str, StatedValue]:

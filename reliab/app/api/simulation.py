@@ -17,7 +17,7 @@ from reliab.core.progress import Progress, show_task, silent
 from reliab.core.vocabulary import CurveName, NoEllipse, Side
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
-from reliab.sweep.ellipse_dataset import write_ellipses
+from reliab.sweep.ellipse_dataset import COLUMNS, write_ellipses
 from reliab.sweep.plain import Motions, suite_of, sweep_request
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results
@@ -119,7 +119,6 @@ def simulate_suite(*, out: str | Path, **request: Unpack[questions.SimulationQue
 
 
 _PLACE: Final = ["motion", "f", "xi", "alpha", "threshold", "metric"]
-_VALUES = ("a", "b", "sse", "n", "no_ellipse")
 _HEADINGS = {"_lead": ", lead", "_inscribed": ", inscribed", "_lead_inscribed": ", inscribed, lead"}
 _SUFFIXES: Final = {
     "": (CurveName.ELLIPSE, Side.LAG),
@@ -188,7 +187,7 @@ class Boundaries(ResultWithRows):
             f"{name}{suffix}": dataset[name].sel(curve=curve, side=side).transpose(*_PLACE).values.ravel()
             for suffix, (curve, side) in _SUFFIXES.items()
             if curve in dataset["curve"].values and side in dataset["side"].values
-            for name in _VALUES
+            for name in COLUMNS
             if name in dataset
         }
         for k, boundary in enumerate(boundaries):

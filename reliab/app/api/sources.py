@@ -22,7 +22,7 @@ from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
 from reliab.sweep.ellipse_dataset import CURVES, open_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
-from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, StatedStructures, one_of, suite_of
+from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, one_of, structure_grid, suite_of
 from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.several import Names, Numbers, as_names
 from reliab.sweep.shares import concatenate_shares, select_share, shares_of
@@ -95,7 +95,7 @@ def ellipses(
             )
         stored_ellipses: xr.Dataset = source.reliab.ellipses(thresholds, metrics, curves, progress=progress)
         return stored_ellipses
-    structures = StatedStructures.from_plain(
+    structures = structure_grid(
         f=question["f"],
         xi=question["xi"],
         alpha=WHOLLY_EXPERIMENTAL if question["alpha"] is None else question["alpha"],
