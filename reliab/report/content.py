@@ -305,9 +305,7 @@ TERMS: Final = (
     Term(
         name="delay d",
         pattern=r"\bdelay",
-        meaning=prose(
-            "Time by which the measured displacement follows the command; negative if it leads."
-        ),
+        meaning=prose("Time by which the measured displacement follows the command; negative if it leads."),
     ),
     Term(
         name="held-out test",

@@ -441,7 +441,7 @@ def report_rig(
 ) -> Path:
     """Write the report of a rig: two pages for the head of the laboratory, and an appendix.
 
-    What is not stated of the next test is as in the last one.
+    What you leave out of the next test is taken from the last one.
 
     Returns
     -------

@@ -292,6 +292,9 @@ class Command(TyperCommand):
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""
         params: list[Any] = list(super().get_params(ctx))
+        for param in params:
+            if param.param_type_name == "argument" or param.is_flag:
+                param.display_type_rich = _show_no_type
         help_option = params.pop()
         help_option.rich_help_panel = HELP.title
         if not self.advanced_names:
@@ -313,6 +316,10 @@ class Command(TyperCommand):
         super().format_help(ctx, formatter)
         for item in left_out:
             item.hidden = False  # type: ignore[attr-defined]
+
+
+def _show_no_type(**_: Any) -> None:  # noqa: ANN401 - Typer hides its types
+    """Leave out Python's name of a type: the name of an argument says what it takes, a flag takes nothing."""
 
 
 def _show_all(context: Any, _option: Any, is_asked: bool) -> None:  # noqa: ANN401, FBT001 - Click's callback

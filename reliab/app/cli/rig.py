@@ -39,7 +39,7 @@ def add(request: Request) -> None:
 @app.command("list", cls=Command)
 @takes(questions.RigArgument)
 def list_tests(request: Request) -> None:
-    """List the tests of a rig, and where it has changed."""
+    """List the tests of a rig and say where it changed."""
     from reliab.app.api.rigs import list_rig
 
     request.answer(list_rig, lambda result: show_list(result.to_dict()))
@@ -94,7 +94,7 @@ def predict(request: Request) -> None:
 def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 
-    What is not stated of the next test is as in the last one.
+    What you leave out of the next test is taken from the last one.
     """
     from reliab.app.api.rigs import report_rig
 

@@ -3,6 +3,7 @@
 `python tests/app/cli/test_help.py` keeps it anew; what differs is then read in the commit.
 """
 
+import re
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,12 @@ def whole_help():
 
 def test_help_of_every_command_equals_the_golden_text():
     assert whole_help() == GOLDEN_HELP.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("asked", [["assess"], ["record"], ["rig", "list"]])
+def test_help_names_no_types_of_python(asked, capsys):
+    assert run([*asked, "--help-all"] if asked == ["assess"] else [*asked, "--help"]) == 0
+    assert not re.search(r"<(bool|str|path|list)", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("command", LEAVES)
