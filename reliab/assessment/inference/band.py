@@ -5,13 +5,14 @@ filter leaves ringing after the end of the record before it wraps around to the 
 lightly damped structures act as they do on a history that starts from rest.
 """
 
+import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy
 
-from reliab.core.arrays import Array, Spectrum
+from reliab.core.arrays import Array, Spectrum, read_only
 
 _WRAP_AROUND = 1e-5  # of a response, that may return to the beginning of the record
 _ROLL_OFF = 0.85  # of the band: above, the transform falls to zero, so that its edge does not ring
@@ -73,6 +74,17 @@ class AnalysisBand:
         angular = 2.0 * np.pi * np.arange(self.bins) / (self.points * self.record_step)
         return np.asarray(self.shift + 1j * angular)
 
+    def advance(self, times: Array) -> Spectrum:
+        """Return e^(sT) of times T [s], shape (…,), by which it makes histories earlier, shape (…, K).
+
+        Frequencies are equally spaced, so that each factor is a product of two from short lists.
+        """
+        stride = math.isqrt(self.bins - 1) + 1
+        coarse = np.exp(times[..., np.newaxis] * self.s[::stride])
+        fine = np.exp(times[..., np.newaxis] * (self.s[:stride] - self.shift))
+        products = coarse[..., np.newaxis] * fine[..., np.newaxis, :]
+        return np.asarray(products.reshape(*times.shape, -1)[..., : self.bins])
+
     @cached_property
     def _taper(self) -> Array:
         place = np.arange(self.bins) / self.bins
@@ -126,19 +138,27 @@ class AnalysisBand:
         reach = min(fade, size - 1)
         weight = 0.5 + 0.5 * np.cos(np.pi * (np.arange(reach) + 0.5) / reach)
         full[..., size : size + reach] = weight * (2.0 * values[..., -1:] - values[..., -2 : -reach - 2 : -1])
-        damped_values = full * np.exp(-self.shift * step * np.arange(points))
+        damped_values = full * _decay(self.shift * step, points)
         return np.asarray(scipy.fft.rfft(damped_values)[..., : self.bins] * self._taper)
 
     def history(self, spectrum: Spectrum) -> Array:
         """Return histories on the coarse grid within the record, shape (…, m)."""
         full = scipy.fft.irfft(spectrum, self.coarse_points) * (self.coarse_points / self.points)
-        growth = np.exp(self.shift * self.time)
-        return np.asarray(full[..., : self.samples] * growth)
+        return np.asarray(full[..., : self.samples] * self._growth)
+
+    @cached_property
+    def _growth(self) -> Array:
+        return np.asarray(np.exp(self.shift * self.time))
 
     def full_history(self, spectrum: Spectrum) -> Array:
         """Return histories on the record's own grid, shape (…, n)."""
         full = scipy.fft.irfft(spectrum, self.points)[..., : self.record_samples]
         return np.asarray(full * np.exp(self.shift * self.record_step * np.arange(self.record_samples)))
+
+
+@lru_cache(maxsize=4)  # every draw of the noise is transformed
+def _decay(rate: float, points: int) -> Array:
+    return read_only(np.exp(-rate * np.arange(points)))
 
 
 def highest_frequency(command: Array, time_step: float, lowest: float) -> float:

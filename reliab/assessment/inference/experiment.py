@@ -63,29 +63,30 @@ class Experiment:
             + self.drift[:, np.newaxis] * channels.ramp
             + self.hysteresis[:, np.newaxis] * channels.hysteresis
         )
-        earlier = np.exp(self.skew[:, np.newaxis] * channels.band.s)
-        actuator_displacements = (read - additions) / self.scale[:, np.newaxis] * earlier
+        actuator_displacements = (read - additions) * channels.band.advance(self.skew)
+        actuator_displacements /= self.scale[:, np.newaxis]
         return np.asarray(channels.to_interface @ actuator_displacements)
 
     def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:
         """Displacement whose force the loop received [m], shape (p, K)."""
-        return (
-            displacement * np.exp(-self.feedback_lag * channels.band.s) if self.feedback_lag else displacement
-        )
+        if not self.feedback_lag:
+            return displacement
+        return np.asarray(displacement * channels.band.advance(np.array(-self.feedback_lag)))
 
     def ground(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""
         if channels.ground is None:
             return None
-        s = channels.band.s
-        interpolation = 1.0 + self.ground_interpolation * (s * channels.band.record_step) ** 2
-        return np.asarray(channels.ground * interpolation / self.ground_scale * np.exp(self.ground_skew * s))
+        interpolation = 1.0 + self.ground_interpolation * (channels.band.s * channels.band.record_step) ** 2
+        earlier = channels.band.advance(np.array(self.ground_skew))
+        return np.asarray(channels.ground * interpolation / self.ground_scale * earlier)
 
     def force(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""
         if channels.force is None:
             return None
-        return np.asarray(channels.force / self.force_scale * np.exp(self.force_skew * channels.band.s))
+        earlier = channels.band.advance(np.array(self.force_skew))
+        return np.asarray(channels.force / self.force_scale * earlier)
 
 
 @lru_cache(maxsize=8)
