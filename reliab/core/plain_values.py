@@ -251,6 +251,25 @@ class ResultWithRows(PlainResult):
         return plot_axes
 
 
+def plot_histories(
+    histories: Mapping[str, np.ndarray],
+    time_step: float,
+    *,
+    title: str,
+    label: str = "",
+    axes: "Axes | None" = None,
+) -> "Axes":
+    """Draw histories over time [s] by their names, into new axes by default; `label`: what they are."""
+    from matplotlib import pyplot as plt
+
+    plot_axes = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
+    for name, values in histories.items():
+        plot_axes.plot(np.arange(values.size) * time_step, values, linewidth=0.8, label=name)
+    plot_axes.set(xlabel="time [s]", ylabel=label, title=title)
+    plot_axes.legend(frameon=False)
+    return plot_axes
+
+
 def write_table(table: "pd.DataFrame", path: str | Path, *, index: bool = False) -> None:
     """Write a table as CSV, whole or not at all; texts that a spreadsheet would compute stay texts."""
     safe_table = _map_texts(table, as_cell)

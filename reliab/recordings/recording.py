@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
-from reliab.core.plain_values import Keys, PlainResult, same_names
+from reliab.core.plain_values import Keys, PlainResult, plot_histories, same_names
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.words import Measurand
 
@@ -221,15 +221,8 @@ class Recording(PlainResult):
 
         `axes`: those to draw into; new ones by default.
         """
-        from matplotlib import pyplot as plt
-
-        drawn = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
-        time = np.arange(self.command.size) * self.time_step
-        for name in ("command", "measured"):
-            drawn.plot(time, getattr(self, name), linewidth=0.8, label=name)
-        drawn.set(xlabel="time [s]", ylabel="displacement [m]", title=self.name)
-        drawn.legend(frameon=False)
-        return drawn
+        histories = {"command": self.command, "measured": self.measured}
+        return plot_histories(histories, self.time_step, title=self.name, label="displacement [m]", axes=axes)
 
 
 def require_finite(values: NDArray[np.float64], description: str, location: str) -> None:

@@ -145,6 +145,33 @@ def square_matrix(values: ArrayLike, name: str) -> Array:
     return symmetric
 
 
+def matrices_of_one_size(mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike) -> dict[str, Array]:
+    """Return the matrices of a structure by their names, each as :func:`square_matrix` makes it."""
+    given = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    matrices = {name: square_matrix(values, f"{name} matrix") for name, values in given.items()}
+    rows = [len(matrix) for matrix in matrices.values()]
+    if len(set(rows)) > 1:
+        raise InputError(
+            "Mass, damping and stiffness matrices must be of the same size",
+            value=f"{rows[0]}, {rows[1]} and {rows[2]} rows",
+            remedy="Give one row and column for each degree of freedom",
+        )
+    return matrices
+
+
+def influence_vector(influence: ArrayLike | None, size: int) -> Array:
+    """Return how far each degree of freedom moves with the ground, shape (n,); ones by default."""
+    vector = np.ones(size) if influence is None else np.array(influence, dtype=float)
+    if vector.shape != (size,) or not np.isfinite(vector).all() or not vector.any():
+        raise InputError(
+            f"The influence vector needs {size} finite numbers that are not all zero",
+            value=vector.tolist(),
+            remedy="Give 1 for each degree of freedom that moves with the ground, else 0",
+        )
+    vector.setflags(write=False)
+    return vector
+
+
 def lowest_eigenvalue(matrix: Array) -> tuple[float, float]:
     """Lowest eigenvalue of a symmetric matrix, and the largest modulus, in its units."""
     eigenvalues = np.linalg.eigvalsh(matrix)
@@ -223,25 +250,9 @@ class Frame:
     names: tuple[str, ...] = ()  # Names of the degrees of freedom; "1" to "n" by default
 
     def __post_init__(self) -> None:
-        for field in ("mass", "damping", "stiffness"):
-            matrix = square_matrix(getattr(self, field), f"{field} matrix")
+        for field, matrix in matrices_of_one_size(self.mass, self.damping, self.stiffness).items():
             object.__setattr__(self, field, matrix)
-        sizes = {self.mass.shape[0], self.damping.shape[0], self.stiffness.shape[0]}
-        if len(sizes) > 1:
-            raise InputError(
-                "Mass, damping and stiffness matrices must be of the same size",
-                value=f"{self.mass.shape[0]}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
-                remedy="Give one row and column for each degree of freedom",
-            )
-        influence = np.ones(self.size) if self.influence is None else np.array(self.influence, dtype=float)
-        if influence.shape != (self.size,) or not np.isfinite(influence).all() or not influence.any():
-            raise InputError(
-                f"The influence vector needs {self.size} finite numbers that are not all zero",
-                value=influence.tolist(),
-                remedy="Give 1 for each degree of freedom that moves with the ground, else 0",
-            )
-        influence.setflags(write=False)
-        object.__setattr__(self, "influence", influence)
+        object.__setattr__(self, "influence", influence_vector(self.influence, self.size))
         names = tuple(self.names) or tuple(str(k + 1) for k in range(self.size))
         if len(names) != self.size or len(set(names)) != self.size:
             raise InputError(

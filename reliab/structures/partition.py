@@ -26,8 +26,10 @@ from reliab.core.significant_digits import significant
 from reliab.effects.effect import Effect, Role
 from reliab.structures.frame import (
     Frame,
+    influence_vector,
     mass_orthonormal,
     massless,
+    matrices_of_one_size,
     require_positive_definite,
     require_positive_semidefinite,
     square_matrix,
@@ -74,15 +76,8 @@ class Partition:
     effects: tuple[Effect, ...] = ()  # What one driven specimen does beyond its matrices, all on its force
 
     def __post_init__(self) -> None:
-        for field in ("mass", "damping", "stiffness"):
-            object.__setattr__(self, field, square_matrix(getattr(self, field), f"{field} matrix"))
-        size = self.size
-        if self.damping.shape != (size, size) or self.stiffness.shape != (size, size):
-            raise InputError(
-                "Mass, damping and stiffness matrices must be of the same size",
-                value=f"{size}, {self.damping.shape[0]} and {self.stiffness.shape[0]} rows",
-                remedy="Give one row and column for each degree of freedom",
-            )
+        for field, matrix in matrices_of_one_size(self.mass, self.damping, self.stiffness).items():
+            object.__setattr__(self, field, matrix)
         self._check_interface()
         self._complete()
         self._check_effects()
@@ -140,14 +135,7 @@ class Partition:
                     remedy="Give the matrix of the driven degrees of freedom, or name as many",
                 )
             object.__setattr__(self, field, matrix)
-        influence = np.ones(self.size) if self.influence is None else np.array(self.influence, dtype=float)
-        if influence.shape != (self.size,) or not np.isfinite(influence).all() or not influence.any():
-            raise InputError(
-                f"The influence vector needs {self.size} finite numbers that are not all zero",
-                value=influence.tolist(),
-                remedy="Give 1 for each degree of freedom that moves with the ground, else 0",
-            )
-        object.__setattr__(self, "influence", influence)
+        object.__setattr__(self, "influence", influence_vector(self.influence, self.size))
 
     def _check_substructure(self) -> None:
         if not any(matrix.any() for matrix in self._specimen) and not self.effects:

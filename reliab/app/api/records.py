@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
-import numpy as np
 import pandas as pd
 
 from reliab.app import questions
@@ -14,7 +13,7 @@ from reliab.app.api.channels import FileReading, find_test
 from reliab.app.declaration import asks
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
-from reliab.core.plain_values import Keys, PlainResult, same_names
+from reliab.core.plain_values import Keys, PlainResult, plot_histories, same_names
 from reliab.recordings.calibration import ChannelCalibration, calibrate_channels, calibration_in_toml
 from reliab.recordings.reading import ChannelHistories
 from reliab.recordings.record import About, check_record, write_csv, write_record
@@ -68,16 +67,8 @@ class Record(PlainResult):
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the channels over time [s], in SI units."""
-        from matplotlib import pyplot as plt
-
-        plot_axes = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
-        for name, values in self.histories.values.items():
-            plot_axes.plot(
-                np.arange(values.size) * self.histories.time_step, values, linewidth=0.8, label=str(name)
-            )
-        plot_axes.set(xlabel="time [s]", title=self.source.name)
-        plot_axes.legend(frameon=False)
-        return plot_axes
+        histories = {str(name): values for name, values in self.histories.values.items()}
+        return plot_histories(histories, self.histories.time_step, title=self.source.name, axes=axes)
 
 
 @asks(questions.RecordQuestion)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
-from reliab.core.plain_values import Keys, ResultWithRows
+from reliab.core.plain_values import Keys, ResultWithRows, plot_histories
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.partition import Partition
 from reliab.structures.specimen import Specimen
@@ -159,17 +159,11 @@ class Campaign(ResultWithRows):
 
         `axes`: those to draw into; new ones by default.
         """
-        from matplotlib import pyplot as plt
-
-        drawn = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
-        for test in self.tests:
-            channel = Channel.MEASURED if Channel.MEASURED in test.channels else next(iter(test.channels))
-            drawn.plot(
-                np.arange(test.size) * self.step, test.channels[channel], linewidth=0.8, label=test.file
-            )
-        drawn.set(xlabel="time [s]", ylabel="measured [SI units]", title=self.name)
-        drawn.legend(frameon=False)
-        return drawn
+        histories = {
+            test.file: test.channels.get(Channel.MEASURED, next(iter(test.channels.values())))
+            for test in self.tests
+        }
+        return plot_histories(histories, self.step, title=self.name, label="measured [SI units]", axes=axes)
 
     @cached_property
     def nominal(self) -> HybridTest:
