@@ -180,7 +180,10 @@ def histories_of(
         columns = pair_times(columns)
     recognised = recognise(columns, laboratory.declarations, needed_parts=needed_parts)
     channels, notes = _complete_units(columns, recognised)
-    channel_of = {_key(channel): channel for channel in sorted(channels, key=_order)}
+    channel_of = {
+        f"{channel.part}_{channel.actuator}" if channel.actuator else str(channel.part): channel
+        for channel in sorted(channels, key=_order)
+    }
     if not any(channel.part is not Part.TIME for channel in channel_of.values()):
         raise InputError(
             "No column for the command or the measured displacement",
@@ -268,10 +271,6 @@ def declare_channels(
     for part in DISPLACEMENTS if units else ():
         result[part] = replace(result.get(part, ChannelDeclaration()), unit=units or "")
     return replace(laboratory, declarations=result, rate_hz=rate_hz or laboratory.rate_hz)
-
-
-def _key(channel: Channel) -> str:
-    return str(channel.part) + (f"_{channel.actuator}" if channel.actuator else "")
 
 
 def _order(channel: Channel) -> tuple[int, str]:

@@ -247,20 +247,16 @@ def draw(
 
         while True:
             _run(samplers, starts, steps // ensembles.thin, ensembles.thin, save_and_report)
-            posterior = _collect_draws(model, samplers, steps // ensembles.thin // 2, ensembles.thin)
+            kept = steps // ensembles.thin // 2  # as many draws as are left out before them
+            posterior = PosteriorSample(
+                names=tuple(parameter.name for parameter in model.parameters),
+                draws=np.stack([sampler.get_chain(discard=kept)[:kept] for sampler in samplers]),
+                thin=ensembles.thin,
+                accepted=float(np.mean([sampler.acceptance_fraction for sampler in samplers])),
+            )
             if 2 * steps > ensembles.longest or posterior.has_converged:
                 return posterior
             steps *= 2
-
-
-def _collect_draws(model: Model, samplers: "list[EnsembleSampler]", steps: int, thin: int) -> PosteriorSample:
-    """Take as many draws as are left out before them."""
-    return PosteriorSample(
-        names=tuple(parameter.name for parameter in model.parameters),
-        draws=np.stack([sampler.get_chain(discard=steps)[:steps] for sampler in samplers]),
-        thin=thin,
-        accepted=float(np.mean([sampler.acceptance_fraction for sampler in samplers])),
-    )
 
 
 def width_of(model: Model) -> int:

@@ -80,14 +80,6 @@ class PlanarFrame:
                 remedy="Give its stiffness matrix instead",
             )
 
-    @property
-    def _sway_stiffness(self) -> float:
-        return self.elastic_modulus * self.column_inertia / self.storey_height**3
-
-    @property
-    def _beam_stiffness(self) -> float:
-        return self.elastic_modulus * self.beam_inertia / self.bay_width
-
     def lateral_stiffness(self) -> Array:
         """Stiffness for the horizontal displacements of the floors [N/m], shape (storeys, storeys).
 
@@ -128,8 +120,10 @@ class PlanarFrame:
             else:
                 foot = [storey - 1, self._rotation(storey - 1, line)]
                 ends = [*foot, storey, self._rotation(storey, line)]
-        full[np.ix_(ends, ends)] += self._sway_stiffness * local
+        sway_stiffness = self.elastic_modulus * self.column_inertia / self.storey_height**3
+        full[np.ix_(ends, ends)] += sway_stiffness * local
 
     def _add_beam(self, full: Array, floor: int, bay: int) -> None:
         ends = [self._rotation(floor, bay), self._rotation(floor, bay + 1)]
-        full[np.ix_(ends, ends)] += self._beam_stiffness * np.array([[4.0, 2.0], [2.0, 4.0]])
+        beam_stiffness = self.elastic_modulus * self.beam_inertia / self.bay_width
+        full[np.ix_(ends, ends)] += beam_stiffness * np.array([[4.0, 2.0], [2.0, 4.0]])

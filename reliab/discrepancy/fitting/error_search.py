@@ -80,7 +80,7 @@ class ErrorSearch(Search):
         beam = [begin or self.linear]
         for _ in range(_DEEPEST):
             children = self._children(beam, self.candidates, _TRIES)
-            if not children or not self._worth(children[0], beam[0]):
+            if not children or self._error(children[0]) > (1.0 - WORTH) * self._error(beam[0]):
                 break
             beam = children[:_BEAM]
         for model in self._first(_BEAM):
@@ -114,9 +114,6 @@ class ErrorSearch(Search):
 
     def _error(self, candidate: Fit) -> float:
         return self.error(candidate).energy
-
-    def _worth(self, candidate: Fit, smaller: Fit) -> bool:
-        return self._error(candidate) <= (1.0 - WORTH) * self._error(smaller)
 
     def _first(self, count: int) -> list[Fit]:
         """Models of the smallest error on left-out parts."""

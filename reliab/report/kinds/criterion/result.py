@@ -86,11 +86,6 @@ class ReportedCriteria:
             curve=criterion.provenance.curve,
         )
 
-    @property
-    def is_inscribed(self) -> bool:
-        """Whether the criterion of the verdict rests on ellipses that lie inside the boundaries."""
-        return self.criterion.provenance.curve == CurveName.INSCRIBED
-
     def lead(self, criterion: Criterion) -> float:
         """Limit of an early actuator without amplitude error at the structure [ms]; NaN where unknown."""
         if criterion.lead_law is None:
@@ -120,7 +115,7 @@ _CONVERGENCE_WARNING = (
 def result_section(result: ReportedCriteria, population: str = "ground motions") -> Section:
     """State the criterion at one structure, then over all."""
     main_criterion = result.criterion
-    f, xi = result.structure
+    (f, xi), (a, b) = result.structure, result.limits
     blocks: list[Block] = [
         Paragraph(
             text=prose(
@@ -139,9 +134,11 @@ def result_section(result: ReportedCriteria, population: str = "ground motions")
                 "late actuators) and the criterion, which lies inside {inside} of these {drawn}: where the "
                 "coloured ellipse crosses a grey one, a test on its edge would exceed the error under that "
                 "motion, as far as the ellipse represents the boundary.",
-                inside=_containing(result),
+                inside=int(((result.sample.a >= a) & (result.sample.b >= b)).sum()),
                 drawn=result.sample.n_motions,
-                how="inscribed in" if result.is_inscribed else "fitted by least squares to",
+                how="inscribed in"
+                if result.criterion.provenance.curve == CurveName.INSCRIBED
+                else "fitted by least squares to",
                 f=f,
                 xi=xi,
             ),
@@ -157,12 +154,6 @@ def result_section(result: ReportedCriteria, population: str = "ground motions")
         blocks.insert(0, Remark(text=_CONVERGENCE_WARNING))
     title = f"Criterion for {share_in_words(main_criterion.promise)} of {population} like those behind it"
     return Section(title=title, blocks=tuple(blocks), label="sec:result")
-
-
-def _containing(result: ReportedCriteria) -> int:
-    """Count the motions whose ellipse at the structure contains that of the criterion."""
-    a, b = result.limits
-    return int(((result.sample.a >= a) & (result.sample.b >= b)).sum())
 
 
 def _criteria_without_promise(result: ReportedCriteria) -> str:
