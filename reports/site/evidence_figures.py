@@ -71,7 +71,8 @@ def style_table(table: pd.DataFrame) -> Styler:
     """Set a table with its index as the first column, to the left."""
     to_the_left = {"selector": "th, td", "props": "text-align: left; padding-right: 1em"}
     whole = table.rename_axis(index="", columns=None).reset_index()
-    return whole.style.hide(axis="index").set_table_styles([to_the_left])
+    caption_to_the_left = {"selector": "caption", "props": "text-align: left; font-style: italic"}
+    return whole.style.hide(axis="index").set_table_styles([to_the_left, caption_to_the_left])
 
 
 def show_shares(
