@@ -48,7 +48,6 @@ def report(study: RecordsStudy, folder: Path) -> Document:
         title=study.title,
         rows=read_table(folder / ROWS),
         provenance={**study.provenance, **software_provenance(folder)},
-        purpose=study.purpose,
     )
 
 

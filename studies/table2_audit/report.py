@@ -25,7 +25,6 @@ def table_audit_report(
     title: str,
     rows: pd.DataFrame,
     provenance: Mapping[str, object],
-    purpose: str = "",
 ) -> Document:
     """Report which rows of Table 2 are reproduced, and what differs in the others."""
     rows = rows.fillna({"difference": "", "detail": ""})
@@ -47,7 +46,6 @@ def table_audit_report(
             errors=int(((rows["error"] / rows["error_printed"] - 1.0).abs() <= CLOSE).sum()),
         ),
         facts={
-            "Purpose": purpose,
             "Table": prose("Table 2 of Guo and others (2017) @guo2017"),
             "Structure": prose('$f = 1$ Hz, $xi = 0.02$; $"RMS"^R$ of 5 %'),
             "Gap of disagreeing rows": prose(
