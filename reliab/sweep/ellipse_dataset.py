@@ -15,6 +15,7 @@ from reliab.core.physical_range import QUANTITIES_BY_DIMENSION, RANGES, Physical
 from reliab.core.vocabulary import (
     ELLIPSE_DIMENSIONS,
     SHARE_ATTRIBUTE,
+    CurveName,
     Dimension,
     Metric,
     NoEllipse,
@@ -178,6 +179,8 @@ def _chunks(variable: xr.DataArray) -> tuple[int, ...]:
 def open_ellipses(path: str | Path, *, window: str | None = None) -> xr.Dataset:
     """Read a dataset of ellipses.
 
+    A file without curves or sides holds least-squares ellipses for delays only.
+
     Parameters
     ----------
     path : str or pathlib.Path
@@ -222,12 +225,14 @@ def _up_to(dataset: xr.Dataset, window: str | None) -> xr.Dataset:
 
 def _read(path: str | Path, select: Callable[[xr.Dataset], xr.Dataset] = xr.Dataset.copy) -> xr.Dataset:
     dataset = read_netcdf(path, _RULE, _REMEDY, select)
-    if not {*ELLIPSE_DIMENSIONS} <= {*dataset.dims} or not {"a", "b"} <= set(dataset):
+    required_dimensions = set(ELLIPSE_DIMENSIONS) - {Dimension.CURVE, Dimension.SIDE}
+    if not required_dimensions <= set(dataset.dims) or not {"a", "b"} <= set(dataset):
         raise InputError(
             _RULE, value=", ".join(map(str, dataset.dims)) or "none", remedy=_REMEDY, where=str(path)
         )
-    _check_schema(dataset, path)
-    return label_variables(dataset)
+    sound = add_sides(dataset)
+    _check_schema(sound, path)
+    return sound
 
 
 def _check_schema(dataset: xr.Dataset, path: str | Path) -> None:
@@ -270,6 +275,16 @@ def _windows(dataset: xr.Dataset) -> tuple[str, ...]:
     if Dimension.WINDOW in dataset.dims:
         return tuple(str(label) for label in dataset[Dimension.WINDOW].values)
     return (str(dataset.attrs.get("window", Window().label)),)
+
+
+def add_sides(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the dimensions curve and side to ellipses without them: least squares, and delays."""
+    for name, value in ((Dimension.CURVE, CurveName.ELLIPSE), (Dimension.SIDE, Side.LAG)):
+        if name not in dataset.dims:
+            names = [str(variable) for variable in dataset if Dimension.THRESHOLD in dataset[variable].dims]
+            wider = dataset[names].expand_dims({str(name): [str(value)]}, axis=-1)
+            dataset = dataset.drop_vars([*names, str(name)], errors="ignore").merge(wider)
+    return label_variables(dataset)
 
 
 def _select_window(dataset: xr.Dataset, window: str | None, path: str | Path) -> xr.Dataset:

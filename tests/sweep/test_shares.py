@@ -241,6 +241,15 @@ def test_inscribed_ellipse_of_a_widening_boundary():
     assert result.b == pytest.approx(100.0)
 
 
+def test_a_file_without_curves_and_sides_holds_delays_only(tmp_path, boundary):
+    plain = boundary.sel(curve="ellipse", side="lag", drop=True)
+    plain[["a", "b", "sse", "n"]].to_netcdf(tmp_path / "plain.nc", engine="h5netcdf")
+    dataset = open_ellipses(tmp_path / "plain.nc")
+    assert dataset["a"].dims == ELLIPSE_DIMENSIONS
+    xr.testing.assert_equal(dataset["b"].sel(curve="ellipse", side="lag", drop=True), plain["b"])
+    assert dataset["side"].values.tolist() == ["lag"]
+
+
 @pytest.mark.slow
 def test_file_of_several_windows_gives_the_requested_one(tmp_path, boundary):
     has_several = xr.concat(
