@@ -98,7 +98,7 @@ def main() -> None:
             while not output.rstrip().endswith("}"):
                 output += server.stdout.readline() if server.stdout else ""
             print(f"address: {time.monotonic() - begin:.2f} s")
-            chrome = start(Path(folder) / "profile", width=1280, height=1000)
+            chrome = start(Path(folder) / "profile", width=1280, height=915)
             desk = DeskBrowser(chrome, json.loads(output)["address"])
             for name, act in (
                 ("judge", measure_judge),

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from reliab.app.cli.commands import Command, as_options
+from reliab.app.cli.commands import Command, Group, as_options
 from reliab.app.cli.defaults import read_defaults, remove_config
 from reliab.app.cli.interruption import interruption, notice_interruption
 from reliab.app.cli.output import replace_unwritable_characters
@@ -102,7 +102,7 @@ def _answer(
 
 def application(*names: str) -> typer.Typer:
     """Make the program with some of its commands, which are imported, or with all."""
-    app = typer.Typer(name="reliab", no_args_is_help=True, pretty_exceptions_enable=False)
+    app = typer.Typer(name="reliab", cls=Group, no_args_is_help=True, pretty_exceptions_enable=False)
     app.callback(help="Can I trust this real-time hybrid simulation?")(_answer)
     for name in names or _PANEL_OF:
         module = import_module(_MODULES.get(name, f"reliab.app.cli.{name}"))

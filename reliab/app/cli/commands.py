@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 
 import typer
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from reliab.app.api.arguments import refuse_unused
 from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_options
@@ -291,10 +291,7 @@ class Command(TyperCommand):
 
     def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
         """Return the parameters; the help's own stand in the last panel."""
-        params: list[Any] = list(super().get_params(ctx))
-        for param in params:
-            if param.param_type_name == "argument" or param.is_flag:
-                param.display_type_rich = _show_no_type
+        params = _without_types(super().get_params(ctx))
         help_option = params.pop()
         help_option.rich_help_panel = HELP.title
         if not self.advanced_names:
@@ -316,6 +313,22 @@ class Command(TyperCommand):
         super().format_help(ctx, formatter)
         for item in left_out:
             item.hidden = False  # type: ignore[attr-defined]
+
+
+class Group(TyperGroup):
+    """Several commands."""
+
+    def get_params(self, ctx: Any) -> list[Any]:  # noqa: ANN401 - Typer hides its types
+        """Return the parameters of all commands."""
+        return _without_types(super().get_params(ctx))
+
+
+def _without_types(params: Sequence[Any]) -> list[Any]:
+    """Show no types of arguments and flags in the help."""
+    for param in params:
+        if param.param_type_name == "argument" or param.is_flag:
+            param.display_type_rich = _show_no_type
+    return list(params)
 
 
 def _show_no_type(**_: Any) -> None:  # noqa: ANN401 - Typer hides its types

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from reliab.app import questions
-from reliab.app.cli.commands import Command, Request, takes
+from reliab.app.cli.commands import Command, Group, Request, takes
 from reliab.app.cli.output import say, show_rows, show_table
 from reliab.core.significant_digits import counted
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from reliab.app.api.motions import WrittenSuite
     from reliab.motions.faults import MotionFault
 
-app = typer.Typer(no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
+app = typer.Typer(cls=Group, no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
 
 @app.command("list", cls=Command)

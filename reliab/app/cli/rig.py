@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from reliab.app import options, questions
-from reliab.app.cli.commands import Command, Request, takes
+from reliab.app.cli.commands import Command, Group, Request, takes
 from reliab.app.cli.output import console, progress_bar, say, show_rows, write_json, write_line
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
@@ -14,7 +14,9 @@ from reliab.core.significant_digits import percent
 if TYPE_CHECKING:
     from reliab.app.api.rigs import RigPrediction
 
-app = typer.Typer(no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift.")
+app = typer.Typer(
+    cls=Group, no_args_is_help=True, help="Store a rig's tests, predict the next one and detect drift."
+)
 
 
 @app.command("add", cls=Command)

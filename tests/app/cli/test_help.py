@@ -56,7 +56,7 @@ def test_help_of_every_command_equals_the_golden_text():
     assert whole_help() == GOLDEN_HELP.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("asked", [["assess"], ["record"], ["rig", "list"]])
+@pytest.mark.parametrize("asked", [[], ["assess"], ["record"], ["rig"], ["rig", "list"]])
 def test_help_names_no_types_of_python(asked, capsys):
     assert run([*asked, "--help-all"] if asked == ["assess"] else [*asked, "--help"]) == 0
     assert not re.search(r"<(bool|str|path|list)", capsys.readouterr().out)
