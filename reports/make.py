@@ -116,10 +116,10 @@ def criterion() -> bool:
 def measured_specimen() -> bool:
     """Report the judged tests of the table, as the study reports its own."""
     from reliab_studies.measured_specimen.judging import summarise
-    from reliab_studies.measured_specimen.report import measured_specimen_report
+    from reliab_studies.measured_specimen.report import report_measured_specimen
 
     tests = pd.read_csv(HERE / "measured_specimen.csv")
-    document = measured_specimen_report(
+    document = report_measured_specimen(
         title="Is a specimen learned from its own force well enough?",
         tests=tests,
         rates=summarise(tests, GOOD),

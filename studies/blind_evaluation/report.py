@@ -179,7 +179,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
         title="Which effects are confused",
         blocks=(
             Table(
-                frame=pd.DataFrame([_counted(name, groups[name]) for name in group_names]),
+                frame=pd.DataFrame([_count_answers(name, groups[name]) for name in group_names]),
                 columns=columns,
                 caption="What is hidden against what is answered; verdicts without a name in brackets.",
                 label="tab:confusion",
@@ -194,7 +194,7 @@ def _confusion(run: Mapping[str, Any]) -> Section:
     )
 
 
-def _counted(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
+def _count_answers(group: str, truths: Mapping[str, Mapping[str, int]]) -> dict[str, object]:
     """Count the answers of a group that are what was hidden, and name the others."""
     others = [
         f"{count} × {spell_out(truth)} as {spell_out(answer)}"
@@ -337,9 +337,9 @@ def discrepancy_confusion(counts: Mapping[str, Mapping[str, int]]) -> Figure:
             colour = "white" if shares[row, column] > _DARK else INK
             axes.text(column, row, f"{count}", ha="center", va="center", color=colour, fontsize=6.5)
     axes.set_xticks(
-        range(table.shape[1]), [_worded(name) for name in table.columns], rotation=90.0, fontsize=6.5
+        range(table.shape[1]), [_put_in_words(name) for name in table.columns], rotation=90.0, fontsize=6.5
     )
-    axes.set_yticks(range(table.shape[0]), [_worded(name) for name in table.index], fontsize=6.5)
+    axes.set_yticks(range(table.shape[0]), [_put_in_words(name) for name in table.index], fontsize=6.5)
     name_axes(axes, "Answer", "Truth")
     return figure
 
@@ -349,5 +349,5 @@ def _place(name: str, truths: list[str]) -> tuple[bool, int, str]:
     return name.startswith("("), truths.index(name) if name in truths else len(truths), name
 
 
-def _worded(name: object) -> str:
+def _put_in_words(name: object) -> str:
     return plain(str(name).replace("_", " "))

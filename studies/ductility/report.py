@@ -96,7 +96,7 @@ def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
     return Section(
         title="Tolerance over the level of the specimen",
         blocks=(
-            Points(items=tuple(_by_kind(frame))),
+            Points(items=tuple(_describe_kinds(frame))),
             _table_of_levels(frame),
             RpFigure(
                 drawing=tolerance_over_level(levels),
@@ -135,7 +135,7 @@ def _table_of_levels(frame: pd.DataFrame) -> Table:
     return Table(frame=frame, columns=columns, caption=caption, label="tab:levels")
 
 
-def _by_kind(frame: pd.DataFrame) -> list[Prose]:
+def _describe_kinds(frame: pd.DataFrame) -> list[Prose]:
     """Say for each kind what was measured over its levels."""
     items: list[Prose] = []
     for kind, group in frame.groupby("name", sort=False):

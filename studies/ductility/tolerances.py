@@ -82,13 +82,14 @@ def tolerances(
                 "xi": structure.damping_ratio,
             }
             rows += [
-                about | row for row in _of_structure(excitation, structure, specimens, threshold=threshold)
+                about | row
+                for row in _rows_of_structure(excitation, structure, specimens, threshold=threshold)
             ]
         progress(done, len(motions))
     return pd.DataFrame(rows)
 
 
-def _of_structure(
+def _rows_of_structure(
     excitation: Excitation,
     structure: Structure,
     specimens: Sequence[NonlinearSpecimen],
@@ -99,13 +100,13 @@ def _of_structure(
     a, b = first_order_ellipse(excitation, structure).parameters(threshold)
     plane = _Plane(gain=a**0.5, delay=1e-3 * b**0.5)
     linear = EffectLoop(excitation=excitation, test=HybridTest(structure=structure))
-    peak, reached = peak_of_history(linear.exact), _reached(linear, plane, threshold)
+    peak, reached = peak_of_history(linear.exact), _find_distances(linear, plane, threshold)
     rows = []
     for specimen in specimens:
         test = HybridTest(structure=structure, effects=specimen.effects(structure, peak))
         loop = EffectLoop(excitation=excitation, test=test)
         sound = bool(np.isfinite(loop.exact).all())
-        ratios = _reached(loop, plane, threshold) / reached if sound else np.full(reached.size, np.nan)
+        ratios = _find_distances(loop, plane, threshold) / reached if sound else np.full(reached.size, np.nan)
         ductility = peak_of_history(loop.exact) / (peak / specimen.level) if specimen.yields else np.nan
         rows.append(
             {
@@ -121,7 +122,7 @@ def _of_structure(
     return rows
 
 
-def _reached(loop: EffectLoop, plane: _Plane, threshold: float) -> Array:
+def _find_distances(loop: EffectLoop, plane: _Plane, threshold: float) -> Array:
     """Distances at which the error first reaches the threshold, shape (directions,).
 
     The distance grows in steps until the error is above the threshold; between the last one below it and the

@@ -23,7 +23,7 @@ from reliab.motions.motion import Motion
 
 from .controllers import PERFECT, find_controller
 from .loop import MultiAxialRun, reference, run_perfect, run_test
-from .plant import NOMINAL, CoupledPlant, drawn_plants, nominal_plant
+from .plant import NOMINAL, CoupledPlant, draw_plants, nominal_plant
 from .structure import RATE, SCALE, benchmark_partition, to_node
 
 DEGREES: Final = ("x", "theta")
@@ -42,7 +42,7 @@ class MultiAxialRequest:
     seed: int
 
 
-def scaled_record(motion: Motion) -> Array:
+def scale_record(motion: Motion) -> Array:
     """Ground acceleration of the benchmark at 1024 Hz [m/s²], linear between the samples of the record."""
     recorded = motion.time_step * np.arange(motion.acceleration.size)
     times = np.arange(int(recorded[-1] * RATE + 1e-9) + 1) / RATE
@@ -53,12 +53,12 @@ def run_benchmark(
     motions: Sequence[Motion], request: MultiAxialRequest, *, progress: Progress = silent
 ) -> list[dict[str, Any]]:
     """Run all tests; perfect actuators come first under each motion."""
-    grounds = [(motion.name, scaled_record(motion)) for motion in motions]
+    grounds = [(motion.name, scale_record(motion)) for motion in motions]
     ideal = {name: (run_perfect(ground), reference(ground)) for name, ground in grounds}
     rows = [_row(name, PERFECT, NOMINAL, *ideal[name]) for name, _ in grounds]
     cases = list(_cases(grounds, request))
     with ThreadPoolExecutor(_WORKERS) as workers:
-        judged = workers.map(partial(_judged, ideal=ideal), cases)
+        judged = workers.map(partial(_judge_case, ideal=ideal), cases)
         for done, row in enumerate(judged, start=1):
             rows.append(row)
             progress(done, len(cases))
@@ -69,7 +69,7 @@ _Case = tuple[str, Array, CoupledPlant, str, int]
 
 
 def _cases(grounds: Sequence[tuple[str, Array]], request: MultiAxialRequest) -> Iterator[_Case]:
-    uncertain = drawn_plants(request.perturbed, request.seed)
+    uncertain = draw_plants(request.perturbed, request.seed)
     for name in request.controllers:
         for motion, ground in grounds:
             yield motion, ground, nominal_plant(), name, request.seed
@@ -77,13 +77,13 @@ def _cases(grounds: Sequence[tuple[str, Array]], request: MultiAxialRequest) -> 
             yield *grounds[number % len(grounds)], plant, name, request.seed + 1 + number
 
 
-def _judged(case: _Case, *, ideal: dict[str, tuple[MultiAxialRun, Array]]) -> dict[str, Any]:
+def _judge_case(case: _Case, *, ideal: dict[str, tuple[MultiAxialRun, Array]]) -> dict[str, Any]:
     motion, ground, plant, name, seed = case
     run = run_test(ground, plant, find_controller(name), seed=seed)
     perfect, undivided = ideal[motion]
     largest = np.abs(perfect.target).max(axis=1, keepdims=True)
     if not (np.abs(run.measured) < _LARGEST * largest).all():
-        return _lost(motion, name, plant.name)
+        return _row_of_lost_test(motion, name, plant.name)
     row = _row(motion, name, plant.name, run, undivided)
     if plant.name != NOMINAL:
         return {**row, "error": _errors(run, perfect, _FEW_DRAWS)}
@@ -106,7 +106,7 @@ def _row(motion: str, name: str, plant: str, run: MultiAxialRun, undivided: Arra
     }
 
 
-def _lost(motion: str, name: str, plant: str) -> dict[str, Any]:
+def _row_of_lost_test(motion: str, name: str, plant: str) -> dict[str, Any]:
     none = dict.fromkeys(("true", "value", "low", "high"))
     return {
         "motion": motion,
@@ -174,19 +174,19 @@ def criteria(run: MultiAxialRun, reference: Array) -> dict[str, Any]:
     strayed = run.numerical[above] - reference[above]
     return {
         "J1": delays,
-        "J2": _of_each(spread, error, run.target),
-        "J3": _of_each(peak, error, run.target),
+        "J2": _measure_each(spread, error, run.target),
+        "J3": _measure_each(peak, error, run.target),
         "J4": delays,
-        "J5": _of_each(spread, node - numerical, numerical),
-        "J6": _of_each(peak, node - numerical, numerical),
-        "J7": _of_each(spread, node - undivided, undivided),
-        "J8": _of_each(spread, strayed, reference[above]),
-        "J9": _of_each(peak, node - undivided, undivided),
-        "J10": _of_each(peak, strayed, reference[above]),
+        "J5": _measure_each(spread, node - numerical, numerical),
+        "J6": _measure_each(peak, node - numerical, numerical),
+        "J7": _measure_each(spread, node - undivided, undivided),
+        "J8": _measure_each(spread, strayed, reference[above]),
+        "J9": _measure_each(peak, node - undivided, undivided),
+        "J10": _measure_each(peak, strayed, reference[above]),
     }
 
 
-def _of_each(measure: Any, differences: Array, bases: Array) -> list[float]:  # noqa: ANN401
+def _measure_each(measure: Any, differences: Array, bases: Array) -> list[float]:  # noqa: ANN401
     return [measure(difference, base) for difference, base in zip(differences, bases, strict=True)]
 
 

@@ -63,7 +63,7 @@ def nominal_plant() -> CoupledPlant:
     return _plant(NOMINAL, np.ones(9), rescaled=False)
 
 
-def drawn_plants(count: int, seed: int) -> list[CoupledPlant]:
+def draw_plants(count: int, seed: int) -> list[CoupledPlant]:
     """Uncertain plants, numbered from 1; the first of them are the same whatever their number.
 
     Zeros and real poles of each command, and the frame's complex pole, are multiplied by 1 + σ times a

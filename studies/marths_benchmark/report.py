@@ -44,7 +44,7 @@ def marths_report(
 ) -> Document:
     """Report the benchmark from its tests."""
     rows = [dict(test) for test in tests]
-    judged = _judged(rows)
+    judged = _list_errors(rows)
     return Document(
         kind="Virtual multi-axial benchmark",
         title=title,
@@ -52,7 +52,7 @@ def marths_report(
         facts={
             "Question": "Which controller keeps the error of a test with two coupled actuators small, and "
             "does the error that is rebuilt from the test alone agree with the true one?",
-            "Tests": _counted(rows),
+            "Tests": _count_tests(rows),
             "Not compared": "With published values: no paper with numbers of this benchmark was available.",
             "Purpose": purpose,
         },
@@ -61,7 +61,7 @@ def marths_report(
     )
 
 
-def _counted(rows: Sequence[Mapping[str, Any]]) -> Prose:
+def _count_tests(rows: Sequence[Mapping[str, Any]]) -> Prose:
     lost = sum(bool(row["lost"]) for row in rows)
     plants = len({row["plant"] for row in rows}) - 1
     return prose(
@@ -74,7 +74,7 @@ def _counted(rows: Sequence[Mapping[str, Any]]) -> Prose:
     )
 
 
-def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def _list_errors(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Errors of the tests, one row for each displacement, without perfect actuators."""
     return pd.DataFrame(
         [

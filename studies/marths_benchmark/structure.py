@@ -111,7 +111,7 @@ def substructures() -> Substructures:
     left[2][place] -= bay
     influence = np.zeros(len(mass))
     influence[list(X)] = 1.0
-    forces = _condensed_forces()
+    forces = _condense_forces()
     return Substructures(
         mass=mass,
         damping=damping,
@@ -126,7 +126,7 @@ def substructures() -> Substructures:
     )
 
 
-def _condensed_forces() -> tuple[Array, ...]:
+def _condense_forces() -> tuple[Array, ...]:
     """Return forces on x, joints 7 and 6 of the physical frame whose other rotations follow by statics."""
     matrices = physical_frame()
     stiffness = matrices[2]

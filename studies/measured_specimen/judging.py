@@ -61,14 +61,14 @@ def draw_test(
     while True:
         motion = motions[int(draw.integers(len(motions)))]
         try:
-            test = simulate(family, -_sampled(motion, times), _STEP, draw, decibels=decibels)
+            test = simulate(family, -_sample_ground(motion, times), _STEP, draw, decibels=decibels)
         except ArithmeticError:  # the loop diverges
             continue
         if _ERRORS[0] < test.error < _ERRORS[1]:
             return test
 
 
-def _sampled(motion: Motion, times: Array) -> Array:
+def _sample_ground(motion: Motion, times: Array) -> Array:
     """Ground acceleration at times [s], at rest after the record's end."""
     ground = np.interp(times, motion.time_step * np.arange(motion.acceleration.size), motion.acceleration)
     ground[times > motion.time_step * motion.acceleration.size] = 0.0

@@ -81,9 +81,9 @@ def stages(study: MeasuredSpecimenStudy) -> Sequence[Stage]:
 
 def report(study: MeasuredSpecimenStudy, folder: Path) -> Document:
     """Report how near the computed errors come to the true ones."""
-    from .report import measured_specimen_report
+    from .report import report_measured_specimen
 
-    return measured_specimen_report(
+    return report_measured_specimen(
         title=study.title,
         tests=read_table(folder / TESTS),
         rates=read_table(folder / RATES),

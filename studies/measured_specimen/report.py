@@ -21,7 +21,7 @@ _SHARE = Fixed(decimals=0, factor=PERCENT)
 _SMALL_SHARE = Fixed(decimals=1, factor=PERCENT)
 
 
-def measured_specimen_report(
+def report_measured_specimen(
     *,
     title: str,
     tests: pd.DataFrame,
@@ -54,7 +54,13 @@ def measured_specimen_report(
             "Good test": f"error of at most {percent(threshold)} RMS",
             "Purpose": purpose,
         },
-        blocks=(_method(), _errors(tests, rates), _verdicts(rates), _corrected(rates), *_linear(tests)),
+        blocks=(
+            _method(),
+            _errors(tests, rates),
+            _verdicts(rates),
+            _report_corrections(rates),
+            *_linear(tests),
+        ),
         provenance=provenance_of(provenance),
     )
 
@@ -112,7 +118,7 @@ def _verdicts(rates: pd.DataFrame) -> Section:
     )
 
 
-def _corrected(rates: pd.DataFrame) -> Section:
+def _report_corrections(rates: pd.DataFrame) -> Section:
     columns = (
         Column(key="family", heading="Specimen", wide=True),
         Column(key="left", heading="Error that is left", unit="%", number=_SHARE),

@@ -160,15 +160,15 @@ def _ramberg_osgood(x: float, moved: float, rate: float, step: float, s: Array, 
         s[1], s[2], s[4] = x - moved, s[0], 2.0
     s[3] = way
     if s[4] == 0.0 or x * way > s[5]:  # beyond all that was reached: the skeleton curve
-        s[0], s[1], s[2], s[4] = _on_skeleton(x, s[0], p), 0.0, 0.0, 0.0
+        s[0], s[1], s[2], s[4] = _find_skeleton_force(x, s[0], p), 0.0, 0.0, 0.0
     else:
-        s[0] = s[2] + 2.0 * _on_skeleton(0.5 * (x - s[1]), 0.5 * (s[0] - s[2]), p)
+        s[0] = s[2] + 2.0 * _find_skeleton_force(0.5 * (x - s[1]), 0.5 * (s[0] - s[2]), p)
     s[5] = max(s[5], abs(x))
     return float(s[0])
 
 
 @compiled
-def _on_skeleton(x: float, guess: float, p: Array) -> float:
+def _find_skeleton_force(x: float, guess: float, p: Array) -> float:
     """Force f at which f + p[0] f |f|^(p[1] − 1) = x, by Newton's method."""
     force = guess
     for _ in range(30):
@@ -197,7 +197,7 @@ def _mr_damper(x: float, moved: float, rate: float, step: float, s: Array, p: Ar
 
 
 @compiled
-def _hinged_strut(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
+def _make_hinged_strut(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
     """Pin-ended strut with a plastic hinge at midspan, which bows out (Ikeda and Mahin 1986).
 
     Axial displacement P + u − (d² − d₀²), in deflections d of which one shortens by a yield displacement;
@@ -282,7 +282,7 @@ def resist(  # noqa: C901, PLR0911 - one branch for each law
     if law == _MR:
         return _mr_damper(x, moved, rate, step, s, p)
     if law == _STRUT:
-        return _hinged_strut(x, moved, rate, step, s, p)
+        return _make_hinged_strut(x, moved, rate, step, s, p)
     return _cubic(x, moved, rate, step, s, p)
 
 

@@ -80,7 +80,7 @@ def table_5(printed: PrintedTables, records: Records) -> Iterator[Item]:
             quantity=f"m of case {number}",
             printed=mass,
             from_tables=total / (2.0 * np.pi * frequency) ** 2,
-            from_records=_of_case(records, "mass", number),
+            from_records=_value_of_case(records, "mass", number),
             unit="kg",
         )
     yield Item(
@@ -106,7 +106,7 @@ def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
     for case in printed.cases.drop(columns="fulfils_eq18").astype(float).to_dict("records"):
         number = int(case["case"])
         a, b = (float(limit) for limit in law.limits(case["f_hz"], case["xi"]))
-        amplitude, delay = (_of_case(records, name, number) for name in "Ad")
+        amplitude, delay = (_value_of_case(records, name, number) for name in "Ad")
         simulated = (amplitude - 1.0) ** 2 / a + (MILLI * delay) ** 2 / b
         of_table = (case["A"] - 1.0) ** 2 / a + case["d_ms"] ** 2 / b
         late = MILLI * (DELAY_STEPS - case["alpha_es"]) / RATE_HZ
@@ -114,7 +114,7 @@ def table_6(printed: PrintedTables, records: Records) -> Iterator[Item]:
             ("A − 1", case["A"] - 1.0, case["amplitude_error"] - 1.0, amplitude - 1.0, "1"),
             ("d", case["d_ms"], late, MILLI * delay, "ms"),
             ("index of equation (18)", case["index_eq18"], of_table, simulated, "1"),
-            ("RMS^R", case["rms_percent"], MISSING, PERCENT * _of_case(records, "rms", number), "%"),
+            ("RMS^R", case["rms_percent"], MISSING, PERCENT * _value_of_case(records, "rms", number), "%"),
         ):
             yield Item(
                 item="Table 6",
@@ -147,7 +147,7 @@ def figure_17(records: Records) -> Iterator[Item]:
     )
 
 
-def _of_case(records: Records, name: str, number: int) -> float:
+def _value_of_case(records: Records, name: str, number: int) -> float:
     cases = records.cases
     return MISSING if cases is None or number not in cases["case"] else float(cases[name].sel(case=number))
 

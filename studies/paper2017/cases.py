@@ -77,7 +77,7 @@ class PaperCase:
         )
 
 
-def printed_cases() -> list[PaperCase]:
+def list_printed_cases() -> list[PaperCase]:
     """Cases of Table 5 as printed."""
     columns = ("f_hz", "xi", "alpha_es", "amplitude_error")
     rows = PrintedTables.read().cases[list(columns)].itertuples(index=False)
@@ -114,7 +114,7 @@ def run_paper_cases(
 ) -> list[CaseOutcome]:
     """Simulate cases under a ground motion."""
     record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
-    cases_to_run = printed_cases() if cases is None else cases
+    cases_to_run = list_printed_cases() if cases is None else cases
     return [_run(record, case, integrator, compensator) for case in cases_to_run]
 
 
@@ -282,15 +282,15 @@ is sent, one step before it is due."""
 
 def integrator_of(name: str, structure: Structure) -> Integrator:
     """Make the integrator of a name for a structure."""
-    return _chosen(INTEGRATORS, "integrator", name)(structure)
+    return _choose_maker(INTEGRATORS, "integrator", name)(structure)
 
 
 def compensator_of(name: str, steps: float) -> Compensator | None:
     """Make the compensator of a name for an estimated delay [steps]; None for no compensation."""
-    return _chosen(COMPENSATORS, "compensator", name)(steps)
+    return _choose_maker(COMPENSATORS, "compensator", name)(steps)
 
 
-def _chosen(choices: Mapping[str, Maker], what: str, name: str) -> Maker:
+def _choose_maker(choices: Mapping[str, Maker], what: str, name: str) -> Maker:
     if name not in choices:
         raise InputError(
             f"The {what} of the paper's cases must be known",

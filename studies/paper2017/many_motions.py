@@ -82,7 +82,7 @@ def rows_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
 
 
 def _value_of(records: Records, parameter: str, motion: str) -> float:
-    return records.of_motion(parameter, ONE_HERTZ, TWO_PERCENT, motion)
+    return records.value_of_motion(parameter, ONE_HERTZ, TWO_PERCENT, motion)
 
 
 def _explanation(ratio_a: float, ratio_b: float) -> str:
@@ -98,7 +98,7 @@ def _explanation(ratio_a: float, ratio_b: float) -> str:
 def figure_11(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Correlation and straight line of a and b over the rows of Table 2."""
     a, b = (printed.table2[name].to_numpy(dtype=np.float64) for name in "ab")
-    of_a, of_b = (records.of_motions(name, ONE_HERTZ) for name in "ab")
+    of_a, of_b = (records.values_of_motions(name, ONE_HERTZ) for name in "ab")
     known = of_a.size > 1
     yield Item(
         item="Figure 11",
@@ -120,7 +120,7 @@ def figure_11(printed: PrintedTables, records: Records) -> Iterator[Item]:
 def ranges_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Least and greatest a and b, which the text quotes from Table 2."""
     for name in "ab":
-        values, of_records = printed.table2[name].to_numpy(), records.of_motions(name, ONE_HERTZ)
+        values, of_records = printed.table2[name].to_numpy(), records.values_of_motions(name, ONE_HERTZ)
         for extreme, number, pick in zip(
             ("least", "greatest"), RANGES_OF_TEXT[name], (np.min, np.max), strict=True
         ):
@@ -138,7 +138,7 @@ def ranges_of_table_2(printed: PrintedTables, records: Records) -> Iterator[Item
 def figure_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Lognormality over the rows of Table 2."""
     for name in "ab":
-        values, of_records = printed.table2[name].to_numpy(), records.of_motions(name, ONE_HERTZ)
+        values, of_records = printed.table2[name].to_numpy(), records.values_of_motions(name, ONE_HERTZ)
         p_value = float(shapiro(np.log(values)).pvalue)
         yield Item(
             item="Figure 12",
@@ -157,7 +157,7 @@ def equation_12(printed: PrintedTables, records: Records) -> Iterator[Item]:
     too_large = table["record"].isin(TOO_LARGE).to_numpy()
     for name, number in zip("ab", EQUATION_12, strict=True):
         values = table[name].to_numpy(dtype=np.float64)
-        of_tables, of_records = quantile(values), quantile(records.of_motions(name, ONE_HERTZ))
+        of_tables, of_records = quantile(values), quantile(records.values_of_motions(name, ONE_HERTZ))
         yield Item(
             item="Equation (12)",
             quantity=name,
@@ -197,7 +197,7 @@ def table_3(printed: PrintedTables, records: Records) -> Iterator[Item]:
                 quantity=f"{name} at {f:g} Hz",
                 printed=number,
                 from_tables=of_table_2[name] if f == ONE_HERTZ else MISSING,
-                from_records=quantile(records.of_motions(name, f)),
+                from_records=quantile(records.values_of_motions(name, f)),
                 unit=_UNITS[name],
                 remark="Table 3 and equation (12) disagree about the same 100 motions"
                 if f == ONE_HERTZ
@@ -258,7 +258,7 @@ def _delay_limits_of_15(printed: PrintedTables, records: Records) -> Iterator[It
             quantity=f"b at {at:g} Hz",
             printed=law,
             from_tables=float(of_table_3),
-            from_records=quantile(records.of_motions("b", at)),
+            from_records=quantile(records.values_of_motions("b", at)),
             unit="ms2",
             remark="the exponential misses Table 3, in which b f² is nearly constant"
             if abs(law / of_table_3 - 1.0) > CLOSE

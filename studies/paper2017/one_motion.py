@@ -49,7 +49,7 @@ def table_1(printed: PrintedTables, records: Records) -> Iterator[Item]:
                 item="Table 1",
                 quantity=f"{name}: {quantity}",
                 printed=value,
-                from_tables=printed.of_table_2(quantity) if name == "ellipse" else MISSING,
+                from_tables=printed.value_of_table_2(quantity) if name == "ellipse" else MISSING,
                 from_records=reproduced,
                 unit=unit,
             )
@@ -70,7 +70,7 @@ def table_1(printed: PrintedTables, records: Records) -> Iterator[Item]:
             item="Equation (11)",
             quantity=parameter,
             printed=value,
-            from_tables=printed.of_table_2(parameter),
+            from_tables=printed.value_of_table_2(parameter),
             from_records=MISSING if ellipse is None else float(getattr(ellipse, parameter)),
             unit=unit,
         )
@@ -176,7 +176,7 @@ def _errors(records: Records) -> Iterator[Item]:
 
 def equation_14(records: Records) -> Iterator[Item]:
     """Figure 14 and equation (14): least a and an exponential b over the frequencies of Table 3."""
-    a, b = (records.over_frequencies(parameter) for parameter in "ab")
+    a, b = (records.values_over_frequencies(parameter) for parameter in "ab")
     known = bool(b.size and np.isfinite(b).all())
     k1, k2 = exponential(records.frequencies, b)
     extremes = (a.min(), a.max(), b.min(), b.max()) if known else (MISSING,) * 4
@@ -195,7 +195,7 @@ def equation_14(records: Records) -> Iterator[Item]:
 def table_4(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Both columns of Table 4 over damping; the second is the root of b."""
     for xi, a, b in printed.table4[["xi", "a", "b"]].itertuples(index=False):
-        of_a, of_b = (records.of_motion(parameter, ONE_HERTZ, xi) for parameter in "ab")
+        of_a, of_b = (records.value_of_motion(parameter, ONE_HERTZ, xi) for parameter in "ab")
         yield Item(item="Table 4", quantity=f"a at ξ = {xi:g}", printed=a, from_records=of_a)
         yield Item(
             item="Table 4",
@@ -211,7 +211,7 @@ def equations_16_17(printed: PrintedTables, records: Records) -> Iterator[Item]:
     """Slopes of Table 4, and a and b at 2 % from straight lines."""
     table = printed.table4
     xi = records.damping_ratios
-    of_a, root_b = records.over_damping_ratios("a"), np.sqrt(records.over_damping_ratios("b"))
+    of_a, root_b = records.values_over_damping_ratios("a"), np.sqrt(records.values_over_damping_ratios("b"))
     columns = {"a": (of_a, "1", ""), "b": (root_b, "ms2", "the slope of √b [ms] printed as that of b")}
     for letter, (parameter, (values, unit, remark)), value in zip(
         "ab", columns.items(), EQUATION_16, strict=True
@@ -234,8 +234,8 @@ def equations_16_17(printed: PrintedTables, records: Records) -> Iterator[Item]:
             item="Equation (17)",
             quantity=f"{parameter} at ξ = 0.02",
             printed=slope * TWO_PERCENT,
-            from_tables=printed.of_table_2(parameter),
-            from_records=records.of_motion(parameter, ONE_HERTZ, TWO_PERCENT),
+            from_tables=printed.value_of_table_2(parameter),
+            from_records=records.value_of_motion(parameter, ONE_HERTZ, TWO_PERCENT),
             unit=unit,
             remark=remark,
         )

@@ -180,7 +180,7 @@ class PrintedTables:
             )
         return cls(**{key: pd.read_csv(folder / name) for key, name in _FILES.items()})
 
-    def of_table_2(self, parameter: str) -> float:
+    def value_of_table_2(self, parameter: str) -> float:
         """Value of KOBE/NIS000 in Table 2: "a" [-], "b" [ms²] or "error" [ms⁴]."""
         rows = self.table2["record"].to_numpy() == EXAMPLE
         return float(self.table2[parameter].to_numpy(dtype=np.float64)[rows][0])

@@ -45,7 +45,9 @@ class Records:
         """Names of the motions that have ellipses."""
         return [] if self.ellipses is None else [str(name) for name in self.ellipses["motion"].values]
 
-    def of_motions(self, parameter: str, frequency: float, damping_ratio: float = TWO_PERCENT) -> Array:
+    def values_of_motions(
+        self, parameter: str, frequency: float, damping_ratio: float = TWO_PERCENT
+    ) -> Array:
         """Array "a" [-], "b" [ms²] or "sse" [ms⁴] of all motions at a structure; empty where unknown."""
         if self.ellipses is None or parameter not in self.ellipses:
             return np.empty(0)
@@ -60,33 +62,35 @@ class Records:
             cells = cells.sel({name: str(label)}) if name in cells.dims else cells
         return np.asarray(cells.transpose("motion").values, dtype=np.float64)
 
-    def of_motion(
+    def value_of_motion(
         self, parameter: str, frequency: float, damping_ratio: float, motion: str = EXAMPLE
     ) -> float:
         """Value of one motion, the example's by default, and one structure."""
-        values = self.of_motions(parameter, frequency, damping_ratio)
+        values = self.values_of_motions(parameter, frequency, damping_ratio)
         return float(values[self.motions.index(motion)]) if values.size and motion in self.motions else np.nan
 
-    def over_frequencies(self, parameter: str) -> Array:
+    def values_over_frequencies(self, parameter: str) -> Array:
         """Value of the example's motion at each frequency, at 2 % damping."""
-        return np.array([self.of_motion(parameter, f, TWO_PERCENT) for f in self.frequencies.tolist()])
+        return np.array([self.value_of_motion(parameter, f, TWO_PERCENT) for f in self.frequencies.tolist()])
 
-    def over_damping_ratios(self, parameter: str) -> Array:
+    def values_over_damping_ratios(self, parameter: str) -> Array:
         """Value of the example's motion at each damping ratio, at 1 Hz."""
-        return np.array([self.of_motion(parameter, ONE_HERTZ, xi) for xi in self.damping_ratios.tolist()])
+        return np.array(
+            [self.value_of_motion(parameter, ONE_HERTZ, xi) for xi in self.damping_ratios.tolist()]
+        )
 
     def guaranteed(self, parameter: str) -> Array:
         """5 % quantiles over the motions at each frequency, at 2 % damping: Table 3."""
-        return np.array([quantile(self.of_motions(parameter, f)) for f in self.frequencies.tolist()])
+        return np.array([quantile(self.values_of_motions(parameter, f)) for f in self.frequencies.tolist()])
 
     def pooled(self, parameter: str) -> float:
         """5 % quantile over the motions at all frequencies together; NaN of nothing."""
-        values = [self.of_motions(parameter, f) for f in self.frequencies.tolist()]
+        values = [self.values_of_motions(parameter, f) for f in self.frequencies.tolist()]
         return quantile(np.concatenate(values)) if values else np.nan
 
     def sample(self, frequency: float = ONE_HERTZ, damping_ratio: float = TWO_PERCENT) -> EllipseSample:
         """Ellipses of all motions at a structure; motions without an ellipse are left out."""
-        a, b = (self.of_motions(name, frequency, damping_ratio) for name in "ab")
+        a, b = (self.values_of_motions(name, frequency, damping_ratio) for name in "ab")
         sound = is_ellipse(a, b)
         events = () if self.ellipses is None else self.ellipses["event"].values.tolist()
         return EllipseSample(

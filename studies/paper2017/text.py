@@ -36,8 +36,8 @@ SLIPS: Final[tuple[tuple[str, str], ...]] = (
 def numbers_of_text(printed: PrintedTables) -> Iterator[Item]:
     """Numbers of the running text that follow from others."""
     yield from _around_table_2(printed)
-    yield from _below_equation_15()
-    yield from _above_equation_18()
+    yield from _write_below_equation_15()
+    yield from _write_above_equation_18()
 
 
 def _around_table_2(printed: PrintedTables) -> Iterator[Item]:
@@ -66,7 +66,7 @@ def _around_table_2(printed: PrintedTables) -> Iterator[Item]:
         )
 
 
-def _below_equation_15() -> Iterator[Item]:
+def _write_below_equation_15() -> Iterator[Item]:
     a, k1, k2 = EQUATION_15
     yield Item(
         item="Text below equation (15)",
@@ -89,7 +89,7 @@ def _below_equation_15() -> Iterator[Item]:
         )
 
 
-def _above_equation_18() -> Iterator[Item]:
+def _write_above_equation_18() -> Iterator[Item]:
     for quantity, value, meant, remark in (
         (
             "multiple of ξ that is 2.3",

@@ -49,9 +49,9 @@ def stages(study: PartitionedStudy) -> Sequence[Stage]:
 
 def report(study: PartitionedStudy, folder: Path) -> Document:
     """Report predictions against simulated errors."""
-    from .report import partitioned_structures_report
+    from .report import report_partitioned_structures
 
-    return partitioned_structures_report(
+    return report_partitioned_structures(
         title=study.title,
         tests=read_table(folder / TESTS),
         shares=read_table(folder / SHARES),

@@ -22,7 +22,7 @@ _NAMES = {
 _SHORT = {"law_18": "(18)", "law_with_share": "with α", "resolved": "A(f), d(f)", "rebuilt": "rebuilt"}
 
 
-def partitioned_structures_report(
+def report_partitioned_structures(
     *,
     title: str,
     tests: pd.DataFrame,
@@ -48,7 +48,7 @@ def partitioned_structures_report(
             ),
             "Purpose": purpose,
         },
-        blocks=(_predictions(table, completed), _by_structure(completed), _shares(shares)),
+        blocks=(_predictions(table, completed), _compare_structures(completed), _shares(shares)),
         provenance=provenance_of(provenance),
     )
 
@@ -105,7 +105,7 @@ def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
     return Section(title="Predicted against simulated error", blocks=blocks)
 
 
-def _by_structure(tests: pd.DataFrame) -> Section:
+def _compare_structures(tests: pd.DataFrame) -> Section:
     relative = tests[["structure"]].copy()
     for name in PREDICTIONS:
         relative[name] = tests[name] / tests["error"]

@@ -177,12 +177,12 @@ def mean_law() -> Dimensionless:
     return Dimensionless.fit(selected["f"].values, selected["xi"].values, a, b)
 
 
-def _by_index(a: float, b: float, amplitude: float, delay: float) -> float:
+def _predict_by_index(a: float, b: float, amplitude: float, delay: float) -> float:
     """Error that an ellipse at 5 % gives to A [-] and d [ms], taking the error as proportional."""
     return _THRESHOLD * math.sqrt((amplitude - 1.0) ** 2 / a + delay**2 / b)
 
 
-def by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
+def predict_by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
     """Predict RMS^R by equation (18).
 
     `amplitude`, `delay`: A [-] and d [ms]. Result: RMS^R [-]; NaN where the equation is not valid.
@@ -191,10 +191,10 @@ def by_law_18(mode: Structure, amplitude: float, delay: float) -> float:
         a, b = Equation18().limits(mode.frequency, mode.damping_ratio)
     except InputError:
         return math.nan
-    return _by_index(float(a), float(b), amplitude, delay)
+    return _predict_by_index(float(a), float(b), amplitude, delay)
 
 
-def by_law_with_share(
+def predict_by_law_with_share(
     law: Dimensionless, mode: Structure, partition: Partition, amplitude: float, delay: float
 ) -> float:
     """Predict RMS^R by the mean law and the growth of a and b with a smaller share α.
@@ -212,7 +212,7 @@ def by_law_with_share(
     frequency = min(mode.frequency, _HIGHEST)
     a, b = law.limits(frequency, mode.damping_ratio)
     slower = (frequency / mode.frequency) ** 2
-    return _by_index(float(a) * factor, float(b) * slower * factor, amplitude, delay)
+    return _predict_by_index(float(a) * factor, float(b) * slower * factor, amplitude, delay)
 
 
 def resolved(run: Run, partition: Partition, motion: Motion) -> float:
@@ -300,8 +300,8 @@ def _row(test: PartitionedTest, partitions: dict[str, Partition], law: Dimension
         "A": index[0],
         "d_ms": index[1],
         "error": float(np.sqrt(np.mean((run.piston - reference) ** 2))) / largest,
-        "law_18": by_law_18(mode, *index),
-        "law_with_share": by_law_with_share(law, mode, partition, *index),
+        "law_18": predict_by_law_18(mode, *index),
+        "law_with_share": predict_by_law_with_share(law, mode, partition, *index),
         "resolved": resolved(run, partition, test.motion) / largest,
         "rebuilt": rebuilt(run, partition),
     }

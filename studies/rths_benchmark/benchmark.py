@@ -160,6 +160,6 @@ def benchmark_rig(compensator: str, plant: BenchmarkPlant) -> Rig:
     )
 
 
-def scaled_record(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
+def scale_record(acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
     """Ground acceleration of the benchmark [m/s²] from that of the record."""
     return np.asarray(SCALE * acceleration)

@@ -87,13 +87,13 @@ def stages(study: BenchmarkStudy) -> Sequence[Stage]:
         _write_rows(rows, folder / TESTS)
 
     def published(folder: Path) -> None:
-        from .outcomes import beside_published, published_motion, read_published
+        from .outcomes import compare_with_published, find_published_motion, read_published
 
-        motion = published_motion(list(records.motions))
+        motion = find_published_motion(list(records.motions))
         beside = pd.DataFrame(columns=list(_COLUMNS))
         if motion is not None:
             with show_task("Comparing with the published table"):
-                beside = beside_published(motion, read_published(printed), seeds=table.noises)
+                beside = compare_with_published(motion, read_published(printed), seeds=table.noises)
         write_table(beside, folder / PUBLISHED)
 
     inputs: dict[str, Any] = {"motions": records.checksums, "benchmark": table.model_dump(mode="json")}

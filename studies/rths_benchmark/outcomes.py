@@ -32,7 +32,7 @@ from .benchmark import (
     benchmark_partition,
     benchmark_plants,
     benchmark_rig,
-    scaled_record,
+    scale_record,
 )
 
 NOMINAL: Final = "nominal"
@@ -110,7 +110,7 @@ def _row(
     run = run_laboratory(
         partition,
         benchmark_rig(name, plant),
-        scaled_record(motion.acceleration),
+        scale_record(motion.acceleration),
         motion.time_step,
         rate=RATE,
         seed=seed,
@@ -166,7 +166,7 @@ def _rebuilt(run: Run, partition: Partition, threshold: float) -> dict[str, Any]
     }
 
 
-def beside_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6) -> pd.DataFrame:
+def compare_with_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6) -> pd.DataFrame:
     """Compare the published Table 3 with ours, over noises.
 
     `published`: columns `case` and `J1` … `J9`. Result: one row for each case, criterion and variant
@@ -182,7 +182,7 @@ def beside_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6)
                     run_laboratory(
                         benchmark_partition(case),
                         benchmark_rig("pi_phase_lead", plant),
-                        scaled_record(motion.acceleration),
+                        scale_record(motion.acceleration),
                         motion.time_step,
                         rate=RATE,
                         seed=seed,
@@ -208,7 +208,7 @@ def beside_published(motion: Motion, published: pd.DataFrame, *, seeds: int = 6)
     return pd.DataFrame(rows)
 
 
-def published_motion(motions: Sequence[Motion]) -> Motion | None:
+def find_published_motion(motions: Sequence[Motion]) -> Motion | None:
     """Return the motion of the published table, where it is among the records."""
     return next((motion for motion in motions if Path(motion.name).name.lower() == _PUBLISHED_MOTION), None)
 

@@ -44,10 +44,10 @@ def rths_benchmark_report(
     `threshold`: error up to which a test is good [-].
     """
     rows = [dict(test) for test in tests]
-    table, judged = summary(rows), _judged(rows)
+    table, judged = summary(rows), _list_errors(rows)
     blocks: list[Block] = [_compensators(table, rows)]
     if published is not None:
-        blocks.append(_published(published))
+        blocks.append(_report_published(published))
     blocks.append(_errors(judged, threshold))
     return Document(
         kind="Virtual hybrid-simulation benchmark",
@@ -64,7 +64,7 @@ def rths_benchmark_report(
                 tests=len(rows),
                 cases=", ".join(str(case) for case in dict.fromkeys(row["case"] for row in rows)),
                 motions=", ".join(dict.fromkeys(str(row["motion"]) for row in rows)),
-                lost=_lost(int(table["lost"].sum())),
+                lost=_count_lost_tests(int(table["lost"].sum())),
             ),
             "Purpose": purpose,
         },
@@ -73,12 +73,12 @@ def rths_benchmark_report(
     )
 
 
-def _judged(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def _list_errors(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Errors of the tests of the nominal plant, as they are and as they are rebuilt from the test alone."""
     return pd.DataFrame(
         [
             {
-                "name": _worded(row["compensator"]),
+                "name": _put_in_words(row["compensator"]),
                 "case": row["case"],
                 "motion": row["motion"],
                 "rms": row["error"]["rms"],
@@ -113,7 +113,7 @@ def _verdict(judged: pd.DataFrame, threshold: float) -> Prose:
     )
 
 
-def _lost(count: int) -> str:
+def _count_lost_tests(count: int) -> str:
     """Say how many tests were lost, and what that means."""
     meaning = "a piston that moved more than ten times as far as the reference"
     if count == 0:
@@ -121,11 +121,11 @@ def _lost(count: int) -> str:
     return f"{count} {'was' if count == 1 else 'were'} lost to {meaning}"
 
 
-def _worded(name: str) -> str:
+def _put_in_words(name: str) -> str:
     return _NAMES.get(name, spell_out(name))
 
 
-def _published(published: pd.DataFrame) -> Section:
+def _report_published(published: pd.DataFrame) -> Section:
     emulated = published[published["variant"] == "emulated"]
     exact = published[published["variant"] == "exact"]
     both = emulated.merge(exact, on=["case", "criterion"], suffixes=("", "_exact"))
@@ -170,7 +170,7 @@ def _published(published: pd.DataFrame) -> Section:
 
 def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Section:
     frame = table.assign(
-        name=[_worded(name) for name in table["compensator"]], share=table["lost"] / table["tests"]
+        name=[_put_in_words(name) for name in table["compensator"]], share=table["lost"] / table["tests"]
     )
     columns = (
         Column(key="name", heading="Compensator", wide=True),
@@ -191,7 +191,7 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
         "Means over cases, motions and plants of the tests that were not lost. J2 is the RMS of tracking, "
         "J4 of the measured first floor and J6 of the second floor against the undivided structure."
     )
-    completed = [{**row, "name": _worded(str(row["compensator"]))} for row in rows if not row["lost"]]
+    completed = [{**row, "name": _put_in_words(str(row["compensator"]))} for row in rows if not row["lost"]]
     blocks: list[Block] = [Table(frame=frame, columns=columns, caption=caption, label="tab:compensators")]
     if completed:
         drawing = benchmark_spread(pd.DataFrame(completed))

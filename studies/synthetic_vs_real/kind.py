@@ -82,11 +82,11 @@ def report(study: SuitesStudy, folder: Path) -> Document:
     return suites_report(
         title=study.full_title(Material(study).population),
         measures={
-            names[0]: _with_ellipses(pd.read_csv(_shipped(MEASURES)), real, study),
-            names[1]: _with_ellipses(read_table(folder / MEASURES), compared, study),
+            names[0]: _add_ellipses(pd.read_csv(_find_shipped(MEASURES)), real, study),
+            names[1]: _add_ellipses(read_table(folder / MEASURES), compared, study),
         },
         spectra={
-            names[0]: read_run_dataset(_shipped(SPECTRA))["spectral_acceleration"],
+            names[0]: read_run_dataset(_find_shipped(SPECTRA))["spectral_acceleration"],
             names[1]: read_run_dataset(folder / SPECTRA)["spectral_acceleration"],
         },
         limits=_limits(study, folder, real, names),
@@ -141,7 +141,7 @@ def _transfer(study: SuitesStudy) -> Stage:
 
     inputs = {
         **study.model_dump(include={"structures", "errors", "criterion", "validation"}),
-        "real": [digest(_shipped(ELLIPSES)), digest(results)],
+        "real": [digest(_find_shipped(ELLIPSES)), digest(results)],
     }
     return Stage(name="transfer", inputs=inputs, reads=(ELLIPSES, CRITERIA), writes=(TRANSFER,), work=work)
 
@@ -149,7 +149,7 @@ def _transfer(study: SuitesStudy) -> Stage:
 def _reference(study: SuitesStudy) -> xr.Dataset:
     structures = study.structures
     try:
-        return open_ellipses(_shipped(ELLIPSES)).sel(
+        return open_ellipses(_find_shipped(ELLIPSES)).sel(
             f=list(structures.f), xi=list(structures.xi), method="nearest", tolerance=1e-9
         )
     except KeyError:
@@ -160,7 +160,7 @@ def _reference(study: SuitesStudy) -> xr.Dataset:
         ) from None
 
 
-def _with_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: SuitesStudy) -> pd.DataFrame:
+def _add_ellipses(measures: pd.DataFrame, ellipses: xr.Dataset, study: SuitesStudy) -> pd.DataFrame:
     """Add a and b of the study's first structure and error."""
     at = ellipses.sel(
         f=study.structures.f[0],
@@ -188,7 +188,7 @@ def _limits(study: SuitesStudy, folder: Path, real: xr.Dataset, names: tuple[str
     return pd.DataFrame(rows)
 
 
-def _shipped(file: str) -> Path:
+def _find_shipped(file: str) -> Path:
     return shipped("datasets", f"{REAL}/{file}")
 
 

@@ -26,7 +26,7 @@ from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.curves import Ellipse
 
-from .hidden_difference import Difference, differences, logarithms, simulated_ellipse
+from .hidden_difference import Difference, differences, logarithms, simulate_ellipse
 
 LARGEST_CHANCE = 0.05
 """Probability of an explanation by chance from which no name is given."""
@@ -61,7 +61,7 @@ def audit_table2(
             remedy="Give the folder of the paper's records with `motions`",
         )
     values = np.log(rows[["a", "b"]].to_numpy(dtype=np.float64))
-    ellipses = [simulated_ellipse(motion.acceleration, motion.time_step, _STRUCTURE) for motion in motions]
+    ellipses = [simulate_ellipse(motion.acceleration, motion.time_step, _STRUCTURE) for motion in motions]
     table = _Table(motions=motions, printed=values, ellipses=ellipses)
     explanations = []
     for row in range(len(motions)):

@@ -25,7 +25,7 @@ _LEAST_CHANGE = 0.1
 _SAME = 0.02
 
 
-def simulated_ellipse(
+def simulate_ellipse(
     acceleration: Array, time_step: float, structure: Structure, end: float = -1.0
 ) -> Ellipse:
     """Ellipse of 5 % RMS^R of a record.
@@ -76,13 +76,13 @@ def differences(
     time_steps = Difference(
         kind="time step",
         details=tuple(f"{step:.4g} s instead of {motion.time_step:.4g} s" for step in other_steps),
-        pairs=_table([simulated_ellipse(motion.acceleration, step, structure) for step in other_steps]),
+        pairs=_table([simulate_ellipse(motion.acceleration, step, structure) for step in other_steps]),
     )
     components = Difference(
         kind="component",
         details=tuple(f"{sibling.name} instead" for sibling in siblings),
         pairs=_table(
-            [simulated_ellipse(sibling.acceleration, sibling.time_step, structure) for sibling in siblings]
+            [simulate_ellipse(sibling.acceleration, sibling.time_step, structure) for sibling in siblings]
         ),
     )
     kinds = (time_steps, _durations(motion, structure), components)
@@ -100,7 +100,7 @@ def _durations(motion: Motion, structure: Structure) -> Difference:
     quiet = np.zeros(int(np.ceil(_LONGEST * motion.duration / motion.time_step)) + 2)
     quiet[: motion.acceleration.size] = motion.acceleration
     lengths = (different * motion.duration).tolist()
-    ellipses = [simulated_ellipse(quiet, motion.time_step, structure, length) for length in lengths]
+    ellipses = [simulate_ellipse(quiet, motion.time_step, structure, length) for length in lengths]
     details = tuple(
         f"{significant(length)} s instead of {significant(motion.duration)} s" for length in lengths
     )

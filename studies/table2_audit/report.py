@@ -58,7 +58,7 @@ def table_audit_report(
             _disagreeing(rows, disagreeing),
             limits_section(()),
             method_section(None, experimental_fraction=1.0, window="record"),
-            _all(rows),
+            _list_rows(rows),
         ),
         provenance=provenance_of(provenance),
         sources=SOURCES,
@@ -124,7 +124,7 @@ def _ratios(disagreeing: pd.DataFrame) -> Table:
     )
 
 
-def _all(rows: pd.DataFrame) -> Section:
+def _list_rows(rows: pd.DataFrame) -> Section:
     worded = rows.assign(
         a_ratio=rows["a"] / rows["a_printed"],
         b_ratio=rows["b"] / rows["b_printed"],

@@ -60,14 +60,14 @@ class ValidationStudy(CriterionStudy):
 def stages(study: ValidationStudy) -> Sequence[Stage]:
     """Derive and judge criteria; try actuators beyond the model; run the paper's cases if possible."""
     material = Material(study, results=study.motions.results)
-    held_out = _held_out(study)
+    held_out = _find_held_out(study)
     cases = [] if held_out is None else [paper_cases(study.motions.sources or (), held_out)]
     return (
         *simulation(study, material),
         tracing(study, material),
         derivation(study.errors, study.criterion),
         judgement(study, material),
-        _beyond(study, material),
+        _try_other_actuators(study, material),
         *_rebuilt(study, material),
         *cases,
     )
@@ -108,19 +108,19 @@ def report(study: ValidationStudy, folder: Path) -> Document:
         beyond=read_table(folder / BEYOND),
         rebuilt=read_table(folder / REBUILT) if study.validation.rebuilt_error_trials else None,
         threshold=study.errors.thresholds[0],
-        cases=read_run_dataset(folder / CASES) if _held_out(study) else None,
+        cases=read_run_dataset(folder / CASES) if _find_held_out(study) else None,
         provenance=provenance,
         notes=refusals_of(folder),
         purpose=study.purpose,
     )
 
 
-def _held_out(study: ValidationStudy) -> str | None:
+def _find_held_out(study: ValidationStudy) -> str | None:
     """Return the motion of the paper's cases, where there are records that may hold it."""
     return study.validation.held_out if study.motions.sources else None
 
 
-def _beyond(study: ValidationStudy, material: Material) -> Stage:
+def _try_other_actuators(study: ValidationStudy, material: Material) -> Stage:
     """Try actuators that are not a constant gain and delay."""
     # Without records the rigs are tried under the suite that is built in.
     suite = material.motions if study.motions.sources else load_motions(SYNTHETIC)
@@ -167,7 +167,7 @@ def _rebuilt(study: ValidationStudy, material: Material) -> list[Stage]:
         from .rebuilt_error_study.design import Design
         from .rebuilt_error_study.study import try_tests
 
-        design = Design.for_motions(
+        design = Design.classify_motions(
             motions,
             [structure],
             trials=trials,

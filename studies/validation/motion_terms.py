@@ -53,10 +53,10 @@ def gain_of_terms(
     base = _scores(values, [law, law], population.events)
     rows = {}
     for name, term in terms.items():
-        spread_term = _over_structures(name, term, values.shape)
+        spread_term = _broadcast_over_structures(name, term, values.shape)
         designs = [np.concatenate([law, spread_term[..., k, None]], axis=-1) for k in range(2)]
         difference = _scores(values, designs, population.events) - base
-        explained = _explained(values, spread_term)
+        explained = _correlate_terms(values, spread_term)
         rows[name] = {
             "gain": np.nanmean(difference),
             "standard_error": _error(difference, population.events),
@@ -66,7 +66,9 @@ def gain_of_terms(
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def _over_structures(name: str, term: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _broadcast_over_structures(
+    name: str, term: NDArray[np.float64], shape: tuple[int, ...]
+) -> NDArray[np.float64]:
     if term.shape == shape:
         return term
     if term.shape == shape[:1]:
@@ -95,7 +97,7 @@ def _scores(
     return score
 
 
-def _explained(values: NDArray[np.float64], term: NDArray[np.float64]) -> NDArray[np.float64]:
+def _correlate_terms(values: NDArray[np.float64], term: NDArray[np.float64]) -> NDArray[np.float64]:
     """Squared correlation over motions at each structure, shape (F, X, 2)."""
     finite = np.isfinite(values)
     deviations = [

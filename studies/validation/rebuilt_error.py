@@ -16,7 +16,7 @@ from reliab.report.style import GREY, INK, apply_style, letters, line, panels
 
 from .rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
 from .rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT
-from .rebuilt_error_study.study import summarised
+from .rebuilt_error_study.study import summarise_study
 
 _NAMES = {"guo_2017_15": "equation (15)", "guo_2017_18": "equation (18)"}
 
@@ -27,7 +27,7 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     `threshold`: error up to which a test is good [-].
     """
     by_judge = tests.assign(judge=tests["judge"].replace(_NAMES))
-    tables = summarised(by_judge)
+    tables = summarise_study(by_judge)
     return Section(
         title="The error of the test itself",
         blocks=(
@@ -97,7 +97,7 @@ def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[RpFigure, RpFig
     plain = tests[linear & (tests["sensor"] == PLAIN.sensor) & as_stated]
     return (
         RpFigure(
-            drawing=stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
+            drawing=draw_stated_errors(plain, (REBUILT, OWN_BOUNDARY)),
             caption=(
                 "Error that is stated over the true one, sensor of 40 dB: the rebuilt error needs no "
                 "ground motion and assumes nothing of the actuator; the boundary of the motion assumes "
@@ -107,7 +107,7 @@ def _figures(tests: pd.DataFrame, judges: pd.DataFrame) -> tuple[RpFigure, RpFig
             floats=True,
         ),
         RpFigure(
-            drawing=accepted_tests(judges),
+            drawing=draw_accepted_tests(judges),
             caption="Bad and good tests that each judge accepts, sensor of 40 dB.",
             label="fig:rebuilt-accepted",
             floats=True,
@@ -178,7 +178,7 @@ _SHIFT = 0.16
 
 
 @apply_style
-def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
+def draw_stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
     """Draw the error that judges state over the true one.
 
     `tests`: columns judge, rig, error [-] and estimate [-], one row for each test and judge. Result: errors
@@ -205,7 +205,7 @@ def stated_errors(tests: pd.DataFrame, judges: tuple[str, ...]) -> Figure:
 
 
 @apply_style
-def accepted_tests(rows: pd.DataFrame) -> Figure:
+def draw_accepted_tests(rows: pd.DataFrame) -> Figure:
     """Draw which share of bad and of good tests each judge accepts.
 
     `rows`: columns judge, and bad_accepted and good_accepted [-], each with _low and _high. Result: shares

@@ -179,12 +179,12 @@ def actuators_section(tests: pd.DataFrame) -> Section:
                 label="fig:beyond",
                 floats=True,
             ),
-            _actuator_rows(_by_actuator(tests)),
+            _actuator_rows(_count_by_actuator(tests)),
         ),
     )
 
 
-def _by_actuator(tests: pd.DataFrame) -> pd.DataFrame:
+def _count_by_actuator(tests: pd.DataFrame) -> pd.DataFrame:
     """Count verdicts and measure how far the prediction is off, for each actuator."""
     grouped = tests.assign(
         excess=(tests["error"] - tests["predicted"]).abs() / tests["predicted"],

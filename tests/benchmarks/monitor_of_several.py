@@ -37,7 +37,7 @@ LOOK = 0.5  # s between two looks
 def benchmark_case(number: int, diverges: bool, motion: Motion, rng: np.random.Generator) -> LoopCase | None:  # noqa: FBT001
     ground = resample(motion, RATE_OF_BENCHMARK).acceleration[: round(LONGEST * RATE_OF_BENCHMARK)]
     ground = np.ascontiguousarray(structure.SCALE * ground)
-    plant = plants.drawn_plants(1, int(rng.integers(1 << 31)))[0]
+    plant = plants.draw_plants(1, int(rng.integers(1 << 31)))[0]
     name = controllers.CONTROLLERS[number % len(controllers.CONTROLLERS)]
     run = loop.run_test(ground, plant, controllers.find_controller(name), seed=number)
     ideal = structure.to_node(loop.run_perfect(ground).target)

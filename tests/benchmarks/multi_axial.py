@@ -80,7 +80,7 @@ def main() -> None:
     has_table = options.table is not None and options.table.exists()
     tables = [pd.read_csv(options.table, dtype={"plant": str})] if has_table else []
     plants_done = set(tables[0]["plant"]) if has_table else set()
-    for number, plant in enumerate(plants.drawn_plants(options.plants, options.seed)):
+    for number, plant in enumerate(plants.draw_plants(options.plants, options.seed)):
         if plant.name in plants_done:
             continue
         rng = np.random.default_rng([options.seed, number])

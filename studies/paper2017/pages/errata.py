@@ -48,13 +48,13 @@ def errata_section(numbers: pd.DataFrame) -> Section:
             Paragraph(
                 text="Tables and equations are numbered here as in the paper, figures as in this report."
             ),
-            Points(items=(*_ALWAYS, *_of_records(numbers), *slips)),
+            Points(items=(*_ALWAYS, *_find_slips(numbers), *slips)),
         ),
         label="sec:errata",
     )
 
 
-def _of_records(numbers: pd.DataFrame) -> tuple[Prose, ...]:
+def _find_slips(numbers: pd.DataFrame) -> tuple[Prose, ...]:
     """Slips that the records show."""
     errors = prose(
         "At 6.4 ms the text quotes errors of 280 % and 96 %; the exact loop gives {mte:.0f} % and "
@@ -71,18 +71,20 @@ def _of_records(numbers: pd.DataFrame) -> tuple[Prose, ...]:
     )
 
 
-def of_row(numbers: pd.DataFrame) -> pd.Series:
+def name_row_numbers(numbers: pd.DataFrame) -> pd.Series:
     """Tell which numbers are those of a row of Table 2."""
     return (numbers["item"] == "Table 2") & numbers["quantity"].str.contains(" of ")
 
 
 def count(numbers: pd.DataFrame) -> tuple[int, int]:
     """Count the printed numbers outside of Table 2's rows that are reproduced, and those that can be."""
-    compared = numbers[~of_row(numbers) & (numbers["item"] != "Table 2")].dropna(subset=["difference"])
+    compared = numbers[~name_row_numbers(numbers) & (numbers["item"] != "Table 2")].dropna(
+        subset=["difference"]
+    )
     return int((compared["difference"].abs() <= CLOSE).sum()), len(compared)
 
 
-def rows_that_agree(numbers: pd.DataFrame) -> tuple[int, int, int]:
+def find_agreeing_rows(numbers: pd.DataFrame) -> tuple[int, int, int]:
     """Rows of Table 2 that are reproduced in a and b, those that do in the fitting error, and all rows."""
     both, errors = "rows within 10 % in a and b", "rows within 10 % in the fitting error"
     rows = int(number(numbers, "Table 2", both, "printed"))

@@ -186,7 +186,7 @@ def structures_section(records: Records, printed: PrintedTables) -> Section:
                 label="fig:paper-14",
             ),
             Figure(
-                drawing=parameters_over_frequency(tuple(_guaranteed_over_frequency(records, printed))),
+                drawing=parameters_over_frequency(tuple(_quantiles_over_frequency(records, printed))),
                 caption=prose(
                     "Figure 15 of the paper: limits for 95 % of the motions. The exponential (15) meets "
                     "Table 3 at 0.25 Hz only; $b$ falls as $1 \\/ f^2$."
@@ -194,7 +194,7 @@ def structures_section(records: Records, printed: PrintedTables) -> Section:
                 label="fig:paper-15",
             ),
             Figure(
-                drawing=parameters_over_damping_ratio(tuple(_over_damping(records, printed))),
+                drawing=parameters_over_damping_ratio(tuple(_values_over_damping(records, printed))),
                 caption=prose(
                     "Table 4 of the paper over the damping ratio: both parameters grow as $xi^(2.3)$, not as "
                     "$xi$; the printed column $b$, drawn here as printed, is $sqrt(b)$."
@@ -229,7 +229,7 @@ def _limits_of_equation_12() -> tuple[float, float]:
 
 def _example_over_frequency(records: Records) -> Iterator[ParameterSeries]:
     f, fine = records.frequencies, _between(records.frequencies)
-    a, b = (records.over_frequencies(parameter) for parameter in "ab")
+    a, b = (records.values_over_frequencies(parameter) for parameter in "ab")
     k1, k2 = exponential(f, b)
     yield ParameterSeries(name="simulated", x=f, a=a, b=b)
     least = np.full_like(fine, a.min())
@@ -237,7 +237,7 @@ def _example_over_frequency(records: Records) -> Iterator[ParameterSeries]:
     yield _law(Equation14(), "equation (14), printed", fine, TWO_PERCENT, along=fine)
 
 
-def _guaranteed_over_frequency(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
+def _quantiles_over_frequency(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
     table, fine = printed.table3, _between(records.frequencies)
     a, b = (records.guaranteed(parameter) for parameter in "ab")
     yield ParameterSeries(name="simulated", x=records.frequencies, a=a, b=b)
@@ -248,10 +248,10 @@ def _guaranteed_over_frequency(records: Records, printed: PrintedTables) -> Iter
     yield _law(Equation15Corrected(), "(15) corrected", fine, TWO_PERCENT, along=fine)
 
 
-def _over_damping(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
+def _values_over_damping(records: Records, printed: PrintedTables) -> Iterator[ParameterSeries]:
     table, xi = printed.table4, records.damping_ratios
     fine = _between(xi)
-    a, b = (records.over_damping_ratios(parameter) for parameter in "ab")
+    a, b = (records.values_over_damping_ratios(parameter) for parameter in "ab")
     yield ParameterSeries(name="simulated", x=xi, a=a, b=b)
     yield ParameterSeries(
         name="Table 4, printed", x=table["xi"].to_numpy(), a=table["a"].to_numpy(), b=table["b"].to_numpy()

@@ -19,7 +19,7 @@ from reliab.sweep.shares import share_of
 from ..audit import items_of, tabulate
 from ..printed import EXAMPLE, PrintedTables
 from ..records import LAWS, Records, containment
-from .errata import count, errata_section, of_row, rows_that_agree
+from .errata import count, errata_section, find_agreeing_rows, name_row_numbers
 from .figures import (
     boundary_section,
     cases_section,
@@ -76,7 +76,7 @@ def paper_report(
 
 def _verdict(numbers: pd.DataFrame, contained: pd.DataFrame) -> Prose:
     close, recomputed = count(numbers)
-    rows, errors, all_rows = rows_that_agree(numbers)
+    rows, errors, all_rows = find_agreeing_rows(numbers)
     law = contained["guo_2017_18"]
     return prose(
         "{close} of the {known} numbers that can be recomputed are reproduced within 10 %. So are {rows} of "
@@ -108,7 +108,7 @@ def _facts(records: Records, fraction: float) -> dict[str, Prose]:
 
 
 def _numbers(numbers: pd.DataFrame) -> Section:
-    rows = numbers[~of_row(numbers)]
+    rows = numbers[~name_row_numbers(numbers)]
     relative = Fixed(decimals=1, factor=PERCENT, signed=True)
     return Section(
         title="All tables, figures and numbered equations",
@@ -200,7 +200,7 @@ def _promise(contained: pd.DataFrame) -> Section:
 
 
 def _limits(numbers: pd.DataFrame) -> list[Prose]:
-    rows, errors, all_rows = rows_that_agree(numbers)
+    rows, errors, all_rows = find_agreeing_rows(numbers)
     sentences: list[Prose] = [
         prose(
             "{count} rows of Table 2 differ by more than 10 % in $a$ or $b$; the records behind them may "
@@ -210,7 +210,7 @@ def _limits(numbers: pd.DataFrame) -> list[Prose]:
             errors=errors,
         )
     ]
-    missing = int(numbers.loc[of_row(numbers), "from_records"].isna().sum()) // 3
+    missing = int(numbers.loc[name_row_numbers(numbers), "from_records"].isna().sum()) // 3
     if missing:
         sentences.append(f"{missing} motions of Table 2 were not among those simulated.")
     return sentences

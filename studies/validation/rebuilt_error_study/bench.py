@@ -24,8 +24,8 @@ from .judges import (
     WITH_MODEL,
     ByIndices,
     Judgement,
-    by_rebuilt_error,
-    by_verdict,
+    judge_by_rebuilt_error,
+    judge_by_verdict,
 )
 from .rigs import (
     CONDITIONS,
@@ -129,7 +129,7 @@ def _try(bench: _Bench, specimen: str, kind: int) -> Iterator[dict[str, object]]
         step=bench.record.time_step,
         lean=bench.rng.uniform(-1.0, 1.0),
     )
-    simulated = _of_some_error(bench, kind, scales, nonlinear, ideal)
+    simulated = _draw_test(bench, kind, scales, nonlinear, ideal)
     if simulated is None:
         return
     rig, histories, error = simulated
@@ -145,11 +145,11 @@ def _try(bench: _Bench, specimen: str, kind: int) -> Iterator[dict[str, object]]
     }
     for condition in CONDITIONS if nonlinear is None else (PLAIN,):
         said = {"sensor": condition.sensor, "stated": condition.stated}
-        for judgement, looks_nonlinear in _judged(bench, histories, condition, nonlinear):
+        for judgement, looks_nonlinear in _judge_tests(bench, histories, condition, nonlinear):
             yield {**row, **said, **vars(judgement), "looks_nonlinear": looks_nonlinear}
 
 
-def _of_some_error(
+def _draw_test(
     bench: _Bench, kind: int, scales: Scales, nonlinear: NonlinearSpecimen | None, ideal: Array
 ) -> tuple[Rig, LoopHistories, float] | None:
     """Test whose error is near one that is drawn, evenly in its logarithm around the threshold."""
@@ -172,7 +172,7 @@ def _of_some_error(
     return best
 
 
-def _judged(
+def _judge_tests(
     bench: _Bench, histories: LoopHistories, condition: Condition, nonlinear: NonlinearSpecimen | None
 ) -> Iterator[tuple[Judgement, float]]:
     question, step = bench.design.question, bench.record.time_step
@@ -186,16 +186,18 @@ def _judged(
         force = condition.read(histories.force, bench.rng)
         seen = examine_specimen(error.histories.measured, force, step, stated.frequency)
         looks_nonlinear = float(seen.nonlinear)
-    yield by_rebuilt_error(error, question), looks_nonlinear
-    yield by_verdict(error, question, looks_nonlinear=looks_nonlinear == 1.0), looks_nonlinear
+    yield judge_by_rebuilt_error(error, question), looks_nonlinear
+    yield judge_by_verdict(error, question, looks_nonlinear=looks_nonlinear == 1.0), looks_nonlinear
     if nonlinear is not None:
-        modelled = _with_model(bench, command, measured, nonlinear)
-        yield by_rebuilt_error(modelled, question, WITH_MODEL), looks_nonlinear
+        modelled = _rebuild_with_model(bench, command, measured, nonlinear)
+        yield judge_by_rebuilt_error(modelled, question, WITH_MODEL), looks_nonlinear
     for judgement in bench.judges[condition.stated].judge(command, measured, step):
         yield judgement, looks_nonlinear
 
 
-def _with_model(bench: _Bench, command: Array, measured: Array, nonlinear: NonlinearSpecimen) -> RebuiltError:
+def _rebuild_with_model(
+    bench: _Bench, command: Array, measured: Array, nonlinear: NonlinearSpecimen
+) -> RebuiltError:
     """Rebuild with a model whose every parameter is wrong by about 1 %, with that tolerance stated."""
     effect, specimen = nonlinear.effect, nonlinear.specimen()
     free = effect.values * np.array([parameter.units != "-" for parameter in effect.parameters])

@@ -38,7 +38,7 @@ class Design:
             raise InputError("The study needs ground motions", value="none", remedy="Give `motions`")
 
     @classmethod
-    def for_motions(
+    def classify_motions(
         cls,
         motions: Sequence[Motion],
         structures: Sequence[Structure],

@@ -54,7 +54,7 @@ class Judgement:
     high: float = np.nan
 
 
-def by_rebuilt_error(error: RebuiltError, question: Question, judge: str = REBUILT) -> Judgement:
+def judge_by_rebuilt_error(error: RebuiltError, question: Question, judge: str = REBUILT) -> Judgement:
     """Accept a test whose rebuilt error stays below the threshold."""
     stated = error.estimate(question.metric)
     return Judgement(
@@ -66,7 +66,7 @@ def by_rebuilt_error(error: RebuiltError, question: Question, judge: str = REBUI
     )
 
 
-def by_verdict(error: RebuiltError, question: Question, *, looks_nonlinear: bool) -> Judgement:
+def judge_by_verdict(error: RebuiltError, question: Question, *, looks_nonlinear: bool) -> Judgement:
     """Accept a test as `reliab assess` does: below the threshold with 95 % probability, and no doubt."""
     word = word_of_probability(error.probability(question.threshold, question.metric))
     return Judgement(judge=CERTAIN, accepted=word is Word.RELIABLE and not looks_nonlinear)

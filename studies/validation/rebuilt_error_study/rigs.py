@@ -85,7 +85,7 @@ def _saturation(size: float, scales: Scales) -> Rig:
     return Rig(name="stroke saturation", effects=(StrokeSaturation(stroke_m=stroke),))
 
 
-def _overcorrected(size: float, scales: Scales) -> Rig:
+def _make_overcorrected(size: float, scales: Scales) -> Rig:
     delay = max((_COMPENSATED - 1.0) * scales.step - scales.delay(size), 0.0)
     return Rig(
         name="overcorrecting compensator",
@@ -102,7 +102,7 @@ RIGS: Final[tuple[Callable[[float, Scales], Rig], ...]] = (
     _rate_limit,
     _backlash,
     _saturation,
-    _overcorrected,
+    _make_overcorrected,
 )
 """Actuators of a size [-], which grows with the error that they cause."""
 

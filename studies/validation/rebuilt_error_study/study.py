@@ -33,7 +33,7 @@ def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = 
     `low` to `high` [-], where it states one; and whether the specimen `looks_nonlinear`, where the recorded
     force was looked at (1 or 0). Tests that run away are not judged, since nobody takes them for good.
     """
-    table = _kept(kept, design.digest)
+    table = _read_kept(kept, design.digest)
     table = table[table["round"] < design.trials]
     done = set(table["round"].tolist())
     for number in range(design.trials):
@@ -46,7 +46,7 @@ def try_tests(design: Design, *, kept: Path | None = None, progress: Progress = 
     return table
 
 
-def _kept(path: Path | None, digest: str) -> pd.DataFrame:
+def _read_kept(path: Path | None, digest: str) -> pd.DataFrame:
     if path is None or not path.exists():
         return pd.DataFrame(columns=list(STUDY_COLUMNS))
     try:
@@ -99,11 +99,11 @@ def shares(tests: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     """
     rows = []
     for names, group in tests.groupby(list(by), sort=False):
-        rows.append({**dict(zip(by, names, strict=True)), **_counted(group)})
+        rows.append({**dict(zip(by, names, strict=True)), **_count_tests(group)})
     return pd.DataFrame(rows)
 
 
-def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def summarise_study(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Summarise a study in the tables that are printed and reported.
 
     Returns [-].
@@ -126,7 +126,7 @@ def summarised(tests: pd.DataFrame) -> dict[str, pd.DataFrame]:
     }
 
 
-def _counted(group: pd.DataFrame) -> dict[str, Any]:
+def _count_tests(group: pd.DataFrame) -> dict[str, Any]:
     good, accepted = group["good"].to_numpy(bool), group["accepted"].to_numpy(bool)
     ratio = (group["estimate"] / group["error"]).to_numpy(float)
     known, bounded = np.isfinite(ratio), np.isfinite(group["high"].to_numpy(float))

@@ -6,7 +6,7 @@ import scipy
 from reliab_studies.marths_benchmark.controllers import CONTROLLERS, find_controller
 from reliab_studies.marths_benchmark.loop import reference, run_perfect, run_test
 from reliab_studies.marths_benchmark.outcomes import criteria, rebuilt_error
-from reliab_studies.marths_benchmark.plant import drawn_plants, nominal_plant
+from reliab_studies.marths_benchmark.plant import draw_plants, nominal_plant
 from reliab_studies.marths_benchmark.structure import (
     RATE,
     SCALE,
@@ -76,9 +76,9 @@ def test_the_structure_of_assess_has_the_same_degrees():
 def test_uncertain_plants_keep_their_gain_at_rest():
     s = np.array([2j * np.pi * 0.01])
     nominal = abs(nominal_plant().transfer(s))
-    for plant in drawn_plants(3, 5):
+    for plant in draw_plants(3, 5):
         np.testing.assert_allclose(abs(plant.transfer(s)), nominal, rtol=1e-9)
-    assert [plant.name for plant in drawn_plants(3, 5)] == ["1", "2", "3"]
+    assert [plant.name for plant in draw_plants(3, 5)] == ["1", "2", "3"]
 
 
 def test_kinematics_are_inverse_to_each_other():
@@ -93,7 +93,7 @@ def test_controllers_are_named():
 
 
 def errors_of_uncertain_plant(ground, name):
-    run = run_test(ground, drawn_plants(1, 11)[0], find_controller(name), seed=None)
+    run = run_test(ground, draw_plants(1, 11)[0], find_controller(name), seed=None)
     ideal = to_node(run_perfect(ground).target)
     return run, to_node(run.true) - ideal, np.abs(ideal).max(axis=1)
 
@@ -125,7 +125,7 @@ def test_feedback_leaves_a_smaller_error_than_feedforward_alone(ground):
         run = run_test(ground, nominal, find_controller(name), seed=0)
         remaining_errors[name] = np.std(run.true - run.target, axis=1)
     assert (remaining_errors["lqg"] < 0.5 * remaining_errors["feedforward"]).all()
-    for plant in drawn_plants(3, 7):
+    for plant in draw_plants(3, 7):
         run = run_test(ground, plant, find_controller("lqg"), seed=0)
         assert (np.std(run.true - run.target, axis=1) < remaining_errors["feedforward"]).all()
 

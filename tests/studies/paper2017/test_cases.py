@@ -3,13 +3,13 @@
 import csv
 
 import pytest
-from reliab_studies.paper2017.cases import case_table, cases_dataset, printed_cases, run_paper_cases
+from reliab_studies.paper2017.cases import case_table, cases_dataset, list_printed_cases, run_paper_cases
 
 from reliab.motions.loading import load_motions
 
 
 def test_masses_are_those_of_table_5():
-    masses = [round(case.mass, 2) for case in printed_cases()]
+    masses = [round(case.mass, 2) for case in list_printed_cases()]
     assert masses == [0.09, 0.25, 0.09, 0.09]
 
 

@@ -1,7 +1,7 @@
 """The paper's cases with other integrators and compensators than the paper's."""
 
 import pytest
-from reliab_studies.paper2017.cases import COMPENSATORS, INTEGRATORS, printed_cases, run_paper_cases
+from reliab_studies.paper2017.cases import COMPENSATORS, INTEGRATORS, list_printed_cases, run_paper_cases
 
 from reliab.core.errors import InputError
 from reliab.motions.motion import truncate
@@ -10,7 +10,7 @@ from reliab.motions.synthetic.suite import synthetic_suite
 
 @pytest.fixture(scope="module")
 def outcome():
-    motion, case = truncate(synthetic_suite(count=1)[0], 12.0), printed_cases()[0]
+    motion, case = truncate(synthetic_suite(count=1)[0], 12.0), list_printed_cases()[0]
     return lambda **names: run_paper_cases(motion, [case], **names)[0]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from reliab_studies.table2_audit.audit import NONE_FOUND, audit_table2
-from reliab_studies.table2_audit.hidden_difference import logarithms, simulated_ellipse
+from reliab_studies.table2_audit.hidden_difference import logarithms, simulate_ellipse
 
 from reliab.core.errors import InputError
 from reliab.motions.loading import load_motions
@@ -39,7 +39,7 @@ def _coarse(motion):
 
 
 def pair_of(*arguments):
-    return logarithms(simulated_ellipse(*arguments))
+    return logarithms(simulate_ellipse(*arguments))
 
 
 def pair_of_paper(motion, motions_by_name):

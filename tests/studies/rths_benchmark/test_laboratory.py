@@ -15,7 +15,7 @@ from reliab_studies.rths_benchmark.benchmark import (
     benchmark_plants,
     benchmark_rig,
     inverse_factors,
-    scaled_record,
+    scale_record,
 )
 from reliab_studies.rths_benchmark.outcomes import NAMES, benchmark_criteria, tracking_delay
 
@@ -37,7 +37,7 @@ def elcentro(shared_folder):
     if not path.is_file():
         pytest.skip(f"the benchmark's motions are not here ({path})")
     columns = np.loadtxt(path, delimiter=",", skiprows=3)
-    return scaled_record(columns[:, 1]), columns[1, 0] - columns[0, 0]
+    return scale_record(columns[:, 1]), columns[1, 0] - columns[0, 0]
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ from reliab_studies.partitioned_structures.running import (
 )
 from reliab_studies.rths_benchmark.outcomes import (
     BenchmarkRequest,
-    beside_published,
-    published_motion,
+    compare_with_published,
+    find_published_motion,
     read_published,
     run_benchmark,
     summary,
@@ -56,7 +56,7 @@ def test_the_published_table_is_typed_and_compared(shaking):
     table = read_published(shipped("datasets", "rths_benchmark/table3.csv"))
     assert table.shape == (4, 10)
     assert table.loc[3, "J4"] == 72.6
-    comparison = beside_published(published_motion([shaking]), table.head(1), seeds=1)
+    comparison = compare_with_published(find_published_motion([shaking]), table.head(1), seeds=1)
     assert len(comparison) == 18
     assert set(comparison["variant"]) == {"emulated", "exact"}
 

@@ -19,7 +19,7 @@ from reliab_studies.validation.rebuilt_error_study.rigs import (
     RIGS,
     Scales,
 )
-from reliab_studies.validation.rebuilt_error_study.study import shares, summarised, try_tests
+from reliab_studies.validation.rebuilt_error_study.study import shares, summarise_study, try_tests
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
@@ -38,7 +38,7 @@ def shaken(seed=3):
 
 @pytest.fixture(scope="module")
 def design():
-    return Design.for_motions([shaken()], [STRUCTURE], trials=1)
+    return Design.classify_motions([shaken()], [STRUCTURE], trials=1)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_true_errors_are_those_of_another_laboratory():
     motion = shaken()
     reference_run = laboratory.run(lab, np.asarray(motion.acceleration), rate=simulated.RATE_HZ)
     bench = simulated._Bench(  # noqa: SLF001 - the truth of the study, before anything is drawn
-        design=Design.for_motions([motion], [STRUCTURE], trials=1),
+        design=Design.classify_motions([motion], [STRUCTURE], trials=1),
         record=motion,
         structure=STRUCTURE,
         rng=np.random.default_rng(0),
@@ -147,7 +147,7 @@ def test_every_finished_round_is_kept(short, design, tmp_path, monkeypatch):
 
 
 def test_rates_with_no_failure_have_a_bound_and_no_false_certainty(short):
-    judges = summarised(short)["judges"].set_index("judge")
+    judges = summarise_study(short)["judges"].set_index("judge")
     row = judges.loc[REBUILT]
     assert row["bad_accepted"] == 0.0
     assert row["bad_accepted_high"] > 0.9  # one earthquake
@@ -182,8 +182,8 @@ def text_of_section():
 @pytest.mark.slow
 def test_shares_of_many_tests():
     motions = [shaken(seed) for seed in range(20)]
-    tests = try_tests(Design.for_motions(motions, [STRUCTURE], trials=20, metric=Metric.RMS))
-    judges = summarised(tests)["judges"].set_index("judge")
+    tests = try_tests(Design.classify_motions(motions, [STRUCTURE], trials=20, metric=Metric.RMS))
+    judges = summarise_study(tests)["judges"].set_index("judge")
     assert judges.loc[REBUILT, "bad_accepted"] < 0.05
     assert judges.loc[REBUILT, "good_accepted"] > 0.95
     assert judges.loc[CERTAIN, "bad_accepted"] < 0.02
