@@ -74,8 +74,8 @@ class PriorKnowledge:
 
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # By the names of the options
     equipment: Equipment = field(default_factory=exact_equipment)
-    # Standard deviations by names of quantities, relative [-] or in the SI unit, such as those that the file
-    # of a frame states; of one of several actuators with its number, such as "sensor_offset_2"
+    # Standard deviations by names of quantities, relative [-] or in the SI unit, such as those of a frame's
+    # file; of one of several actuators with its number, such as "sensor_offset_2", else of all of them
     tolerances: Mapping[str, float] = field(default_factory=dict)
     # What faults of the channels, or their repair, leave unknown, by names of quantities, in the SI unit
     left_by_faults: Mapping[str, float] = field(default_factory=dict)
@@ -169,13 +169,13 @@ class Quantity(Description):
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
         name = circumstances.name_quantity(self.name) if self.actuator_specific else self.name
-        tolerances = circumstances.tolerances
+        tolerances, faults = circumstances.tolerances, circumstances.left_by_faults
         if (tolerance := tolerances.get(name, tolerances.get(self.name))) is not None:
             return self.stated_prior(tolerance)
         if circumstances.stated.get(self.option, StatedValue(0.0)).deviation:
             deviation = self.stated_deviation(circumstances.stated)
             stated = Prior(deviation=deviation, source=PriorSource.STATED, shape=self.shape)
             return stated if deviation else None
-        fault_deviation = circumstances.left_by_faults.get(name, 0.0)
+        fault_deviation = faults.get(name, faults.get(self.name, 0.0))
         deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), fault_deviation)
         return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
