@@ -217,7 +217,7 @@ class _GroundFit:
         acting = channels.force if self.by_force else None
         if acting is None:
             acting = interface_forces(response.impedance, channels.to_interface @ channels.measured)
-        acting = acting * np.exp(-self.feedback_lag * channels.band.s)
+        acting = acting * channels.band.advance(-self.feedback_lag)
         required_forces = interface_forces(response.stiffness, command) - borne + acting
         if self.absolute:
             required_forces = required_forces - response.ground_load.T * channels.band.s**2 * command

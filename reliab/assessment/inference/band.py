@@ -7,12 +7,13 @@ lightly damped structures act as they do on a history that starts from rest.
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import scipy
+from numpy.typing import ArrayLike
 
-from reliab.core.arrays import Array, Spectrum, read_only
+from reliab.core.arrays import Array, Spectrum
 
 _WRAP_AROUND = 1e-5  # of a response, that may return to the beginning of the record
 _ROLL_OFF = 0.85  # of the band: above, the transform falls to zero, so that its edge does not ring
@@ -74,16 +75,15 @@ class AnalysisBand:
         angular = 2.0 * np.pi * np.arange(self.bins) / (self.points * self.record_step)
         return np.asarray(self.shift + 1j * angular)
 
-    def advance(self, times: Array) -> Spectrum:
+    def advance(self, times: ArrayLike) -> Spectrum:
         """Return e^(sT) of times T [s], shape (…,), by which it makes histories earlier, shape (…, K).
 
         Frequencies are equally spaced, so that each factor is a product of two from short lists.
         """
-        stride = math.isqrt(self.bins - 1) + 1
-        coarse = np.exp(times[..., np.newaxis] * self.s[::stride])
-        fine = np.exp(times[..., np.newaxis] * (self.s[:stride] - self.shift))
+        stride, column = math.isqrt(self.bins - 1) + 1, np.asarray(times)[..., np.newaxis]
+        coarse, fine = np.exp(column * self.s[::stride]), np.exp(column * (self.s[:stride] - self.shift))
         products = coarse[..., np.newaxis] * fine[..., np.newaxis, :]
-        return np.asarray(products.reshape(*times.shape, -1)[..., : self.bins])
+        return np.asarray(products.reshape(*column.shape[:-1], -1)[..., : self.bins])
 
     @cached_property
     def _taper(self) -> Array:
@@ -118,7 +118,7 @@ class AnalysisBand:
 
     def spectrum(self, values: Array) -> Spectrum:
         """Transform histories on the record's grid, shape (…, n), to shape (…, K)."""
-        return self._transform(values, self.record_step, self.points, self.fade)
+        return self._transform(values, self._decay, self.fade)
 
     def from_laplace(self, transform: Spectrum) -> Spectrum:
         """Put the Laplace transform of histories [s], shape (…, K), on the scale of their spectra."""
@@ -127,19 +127,26 @@ class AnalysisBand:
     def coarse_spectrum(self, values: Array) -> Spectrum:
         """Transform histories on the coarse grid, shape (…, m), to shape (…, K)."""
         fade = int(self.fade * self.record_step / self.time_step)
-        spectrum = self._transform(values, self.time_step, self.coarse_points, fade)
+        spectrum = self._transform(values, self._coarse_decay, fade)
         return np.asarray(spectrum * (self.points / self.coarse_points))
 
-    def _transform(self, values: Array, step: float, points: int, fade: int) -> Spectrum:
+    @cached_property
+    def _decay(self) -> Array:
+        return np.asarray(np.exp(-self.shift * self.record_step * np.arange(self.points)))
+
+    @cached_property
+    def _coarse_decay(self) -> Array:
+        return np.asarray(np.exp(-self.shift * self.time_step * np.arange(self.coarse_points)))
+
+    def _transform(self, values: Array, decay: Array, fade: int) -> Spectrum:
         """Transform histories that are continued point-symmetrically beyond their end and faded out."""
         size = values.shape[-1]
-        full = np.zeros((*values.shape[:-1], points))
+        full = np.zeros((*values.shape[:-1], decay.size))
         full[..., :size] = values
         reach = min(fade, size - 1)
         weight = 0.5 + 0.5 * np.cos(np.pi * (np.arange(reach) + 0.5) / reach)
         full[..., size : size + reach] = weight * (2.0 * values[..., -1:] - values[..., -2 : -reach - 2 : -1])
-        damped_values = full * _decay(self.shift * step, points)
-        return np.asarray(scipy.fft.rfft(damped_values)[..., : self.bins] * self._taper)
+        return np.asarray(scipy.fft.rfft(full * decay)[..., : self.bins] * self._taper)
 
     def history(self, spectrum: Spectrum) -> Array:
         """Return histories on the coarse grid within the record, shape (…, m)."""
@@ -154,11 +161,6 @@ class AnalysisBand:
         """Return histories on the record's own grid, shape (…, n)."""
         full = scipy.fft.irfft(spectrum, self.points)[..., : self.record_samples]
         return np.asarray(full * np.exp(self.shift * self.record_step * np.arange(self.record_samples)))
-
-
-@lru_cache(maxsize=4)  # every draw of the noise is transformed
-def _decay(rate: float, points: int) -> Array:
-    return read_only(np.exp(-rate * np.arange(points)))
 
 
 def highest_frequency(command: Array, time_step: float, lowest: float) -> float:

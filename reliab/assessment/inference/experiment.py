@@ -71,21 +71,21 @@ class Experiment:
         """Displacement whose force the loop received [m], shape (p, K)."""
         if not self.feedback_lag:
             return displacement
-        return np.asarray(displacement * channels.band.advance(np.array(-self.feedback_lag)))
+        return np.asarray(displacement * channels.band.advance(-self.feedback_lag))
 
     def ground(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""
         if channels.ground is None:
             return None
         interpolation = 1.0 + self.ground_interpolation * (channels.band.s * channels.band.record_step) ** 2
-        earlier = channels.band.advance(np.array(self.ground_skew))
+        earlier = channels.band.advance(self.ground_skew)
         return np.asarray(channels.ground * interpolation / self.ground_scale * earlier)
 
     def force(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""
         if channels.force is None:
             return None
-        earlier = channels.band.advance(np.array(self.force_skew))
+        earlier = channels.band.advance(self.force_skew)
         return np.asarray(channels.force / self.force_scale * earlier)
 
 
