@@ -210,7 +210,7 @@ def _require_judgeable(recording: Recording | CoupledRecording, question: Questi
             sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
         )
     for quantity in QUANTITIES:
-        quantity.stated_prior(quantity.stated_deviation(question.stated))
+        quantity.require_possible(quantity.stated_deviation(question.stated))
 
 
 def _moving_channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Recording]]:

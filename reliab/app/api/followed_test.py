@@ -21,6 +21,7 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.plausibility import RunningSign
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
@@ -208,9 +209,6 @@ class FollowedTest:
         filters = parse_filters(f"{name}={text}" for name, text in self.laboratory.filters.items())
         delays = {name: single.delay for name, single in filters.items()}
         difference = delays.get("measured", 0.0) - delays.get("command", 0.0)
-        deviation = stated.get("filter_delay", StatedValue(0.0)).deviation
-        if difference and deviation:
-            tolerances["filter_delay"] = float(np.hypot(deviation * _MILLISECONDS, difference))
         return PriorKnowledge(
             stated=stated,
             equipment=self.equipment,
@@ -354,9 +352,10 @@ class FollowedTest:
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(self, request: object, monitor: AnyMonitor) -> dict[str, Any]:
+    def _intervals(self, request: RebuiltError | CoupledError | None, monitor: AnyMonitor) -> dict[str, Any]:
         """Give intervals of the error that was asked for, of several actuators those of each displacement."""
         displacements: dict[str, Any] = {}
+        assumed = request is not None and request.inferred.assumed
         if isinstance(request, CoupledError):
             governing = request.governing(self.metric)
             displacements = {
@@ -365,26 +364,27 @@ class FollowedTest:
                     degree.name: {
                         "judged": degree.judged,
                         **({} if degree.judged else {"why_not": degree.refusal_reason}),
-                        **self._errors(degree if degree.judged else None),
+                        **self._errors(degree if degree.judged else None, assumed=assumed),
                     }
                     for degree in request.displacements
                 },
             }
         return {
-            **self._errors(monitor.result),
+            **self._errors(monitor.result, assumed=assumed),
             "until_s": monitor.now.time,
             "metric": str(self.metric),
             "threshold": self.threshold,
             **displacements,
         }
 
-    def _errors(self, error: Any) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
-        """RMS^R and MTE^R with their intervals, and the probability of staying below the threshold."""
+    def _errors(self, error: Any, *, assumed: bool) -> dict[str, Any]:  # noqa: ANN401 - of any kind of test
+        """RMS^R and MTE^R with their intervals, and the probability of staying below the threshold.
+
+        `assumed`: whether sizes of what is uncertain are those of ordinary equipment.
+        """
         if error is None:
             return {**dict.fromkeys(Metric, plain_value(UNKNOWN)), "probability": None}
-        probability = limit_certainty(
-            error.probability(self.threshold, self.metric), assumed=not self.equipment.is_exact
-        )
+        probability = limit_certainty(error.probability(self.threshold, self.metric), assumed=assumed)
         return {
             **{metric: plain_value(error.estimate(metric)) for metric in Metric},
             "probability": probability,

@@ -156,16 +156,20 @@ class Quantity(Description):
         size = abs(value.value) if self.relative else MILLI if self.unit == "ms" else 1.0
         return value.deviation / size if size else 0.0
 
-    def stated_prior(self, deviation: float) -> Prior | None:
-        """Prior of a stated standard deviation, relative or in the SI unit; None if it is zero."""
+    def require_possible(self, deviation: float) -> None:
+        """Refuse a stated standard deviation, relative or in the SI unit, that the quantity cannot have."""
         kind = "relative standard deviation" if self.unit == "%" else "number"
         signed = self.shape is Shape.EITHER
         label = f"{kind if self.unit == '%' else 'standard deviation'} of the {self.words}"
         require_physical(kind, deviation, zero=True, signed=signed, label=label)
+
+    def stated_prior(self, deviation: float) -> Prior | None:
+        """Prior of a stated standard deviation, relative or in the SI unit; None if it is zero."""
+        self.require_possible(deviation)
         return Prior(deviation=deviation, source=PriorSource.STATED, shape=self.shape) if deviation else None
 
     def usual_prior(self, circumstances: Circumstances) -> Prior | None:
-        """Prior by what is learned, stated, left by faults, or usual with the equipment, in this order."""
+        """Prior by what is learned, stated or usual with the equipment, in this order; faults widen it."""
         if self.name in circumstances.learned:
             return circumstances.learned[self.name]
         name = circumstances.name_quantity(self.name) if self.actuator_specific else self.name
@@ -173,9 +177,8 @@ class Quantity(Description):
         if (tolerance := tolerances.get(name, tolerances.get(self.name))) is not None:
             return self.stated_prior(tolerance)
         if circumstances.stated.get(self.option, StatedValue(0.0)).deviation:
-            deviation = self.stated_deviation(circumstances.stated)
-            stated = Prior(deviation=deviation, source=PriorSource.STATED, shape=self.shape)
-            return stated if deviation else None
-        fault_deviation = faults.get(name, faults.get(self.name, 0.0))
-        deviation = math.hypot(self.ordinary(circumstances, circumstances.equipment), fault_deviation)
-        return Prior(deviation=deviation, shape=self.shape) if deviation > 0.0 else None
+            source, deviation = PriorSource.STATED, self.stated_deviation(circumstances.stated)
+        else:
+            source, deviation = PriorSource.DEFAULT, self.ordinary(circumstances, circumstances.equipment)
+        deviation = math.hypot(deviation, faults.get(name, faults.get(self.name, 0.0)))
+        return Prior(deviation=deviation, source=source, shape=self.shape) if deviation else None

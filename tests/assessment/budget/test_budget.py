@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coupled_structures import described, two_storeys
 
 from reliab.app.api.arguments import require_sound
 from reliab.assessment.assess import assess
@@ -22,7 +23,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.recordings.channels_file import read_channels_file
 from reliab.recordings.recording import Recording
 from reliab.signals.filters import LowPass
-from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.partition import whole_structure
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.03)
@@ -87,13 +88,7 @@ def test_a_skew_grows_with_the_sampling_period_unless_a_laboratory_knows_better(
 
 
 def test_what_is_known_of_all_actuators_holds_for_each():
-    partition = Partition(
-        mass=np.eye(2),
-        damping=0.5 * np.eye(2),
-        stiffness=40.0 * np.eye(2),
-        interface=np.eye(2),
-        specimen_stiffness=40.0 * np.eye(2),
-    )
+    partition, _ = described(two_storeys)
     command = np.sin(0.02 * np.arange(2048)) * np.ones((2, 1))
     channels = ChannelSpectra.from_channels(command, 0.99 * command, 0.005, partition)
     filter_delay = next(quantity for quantity in QUANTITIES if quantity.name == "filter_delay")
@@ -105,6 +100,8 @@ def test_what_is_known_of_all_actuators_holds_for_each():
     known = {"filter_delay": 0.001, "filter_delay_2": 0.002}
     assert deviations(tolerances=known) == [0.001, 0.002]
     assert deviations(left_by_faults=known) == [0.001, 0.002]
+    stated = {"filter_delay": StatedValue(0.0, 3.0)}
+    assert deviations(stated=stated, left_by_faults={"filter_delay": 0.004}) == pytest.approx([0.005, 0.005])
 
 
 def test_a_laboratory_overrides_what_it_knows_better(tmp_path):
