@@ -11,9 +11,10 @@ from reliab.assessment.budget.sizes import Equipment, tolerances_of_structure
 from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.rebuild import RebuiltError
+from reliab.assessment.inferred_error import infer_errors
+from reliab.assessment.parts import ErrorPart, Parts
+from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
-from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
@@ -30,7 +31,6 @@ from reliab.structures.structure import Structure
 if TYPE_CHECKING:
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
-    from reliab.assessment.rebuild import Readings
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
@@ -81,7 +81,7 @@ class Question:
         """The structure with its specimen."""
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
-    def rebuilt_structure(self, recording: Recording) -> Partition:
+    def rebuilt_structure(self, recording: Recording | CoupledRecording) -> Partition:
         """Structure with which the error of a test is rebuilt; of a measured specimen with its mass [kg]."""
         if self.model is not None:
             from reliab.assessment.modelled_test import tangent_structure
@@ -89,14 +89,15 @@ class Question:
             return tangent_structure(self.model.test)
         if self.linear:
             return self.full_structure
+        force = recording.force if isinstance(recording, Recording) else None
         if self.frame is None and self.mass is None:
             raise InputError(
                 "A measured specimen needs its force and the mass of the structure",
-                value="no force" if recording.force is None else "no `mass`",
+                value="no force" if force is None else "no `mass`",
                 remedy="Record the force that was fed back, and state `mass` in kilograms",
                 where=recording.name,
             )
-        if recording.force is None:
+        if force is None:
             raise InputError(
                 "A measured specimen needs its force",
                 value="a recording without force",
@@ -255,31 +256,31 @@ def error_of_test(
     `known_offsets`: places of the actuators whose sensors have no offset; `left_by_repairs`: what repairs of
     the recording leave unknown.
     """
-    repairs = left_by_repairs or {}
-    if isinstance(recording, CoupledRecording):
-        return _error_of_several(recording, question, known_offsets, repairs)
-    from reliab.assessment.rebuild import Readings
-
-    recording = replace(
-        recording, measured=recording.measured / question.stated.get("scale", StatedValue(1.0)).value
-    )
-    structure, step = question.rebuilt_structure(recording), recording.time_step
-    require_lag(question.feedback_lag, recording.duration)
+    recording = _true_channels(recording, question)
+    structure, lag = question.rebuilt_structure(recording), question.feedback_lag
+    require_lag(lag, recording.duration)
     readings = Readings.from_histories(
         recording.command,
         recording.measured,
-        step,
+        recording.time_step,
         structure,
+        to_interface=question.to_interface if isinstance(recording, CoupledRecording) else None,
         ground=recording.ground if question.linear else None,
-        force=recording.force / question.mass
-        if question.linear and recording.force is not None and question.mass is not None
-        else None,
-        sensor_offset=0.0 if 0 in known_offsets else None,
+        force=_force_over_mass(recording, question),
+        sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
         resolution=question.resolution,
     )
     ground = _examine_ground(recording, question, readings)
-    left_by_faults = {**_open_filter(recording, question), **repairs}
+    left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
+    if isinstance(recording, CoupledRecording):
+        inferred = infer_errors(circumstances, readings.stride, question.seed)
+        return ErrorOfSeveral(
+            rebuilt=readings.rebuilt_of_several(inferred),
+            metric=question.metric,
+            threshold=question.threshold,
+            ground=ground,
+        )
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
     return ErrorOfTest(
         rebuilt=rebuilt,
@@ -292,8 +293,28 @@ def error_of_test(
     )
 
 
+def _true_channels(
+    recording: Recording | CoupledRecording, question: Question
+) -> Recording | CoupledRecording:
+    """Channels with the stated scale of the sensor, and the curves of large motions, taken away."""
+    if isinstance(recording, Recording):
+        scale = question.stated.get("scale", StatedValue(1.0)).value
+        return replace(recording, measured=recording.measured / scale)
+    if question.frame is None:
+        raise AssertionError  # one mass has one actuator
+    straighten = question.frame.straighten
+    return replace(recording, command=straighten(recording.command), measured=straighten(recording.measured))
+
+
+def _force_over_mass(recording: Recording | CoupledRecording, question: Question) -> Array | None:
+    """Return the force of a linear specimen over the stated mass [N/kg]; None where one is not known."""
+    if isinstance(recording, CoupledRecording) or recording.force is None:
+        return None
+    return recording.force / question.mass if question.linear and question.mass is not None else None
+
+
 def _rebuild(
-    recording: Recording, question: Question, readings: "Readings", circumstances: Circumstances
+    recording: Recording, question: Question, readings: Readings, circumstances: Circumstances
 ) -> "tuple[RebuiltError, MeasuredSpecimen | None]":
     """Rebuild the error with the specimen as stated, modelled or learned."""
     if question.model is not None:
@@ -307,69 +328,27 @@ def _rebuild(
         force, channel = recording.force, question.force_channel
         specimen = rebuild_learned(readings, force, channel, circumstances, seed=question.seed)
         return specimen.rebuilt, specimen
-    from reliab.assessment.inferred_error import infer_errors
-
     return readings.rebuilt(infer_errors(circumstances, readings.stride, question.seed)), None
 
 
-def _examine_ground(recording: Recording, question: Question, readings: "Readings") -> ShownGround:
+def _examine_ground(
+    recording: Recording | CoupledRecording, question: Question, readings: Readings
+) -> ShownGround:
     """Examine the recorded ground acceleration; of a measured specimen by its force."""
     if question.model is not None:
         return ShownGround()
     lag = question.feedback_lag
-    if question.linear:
-        return examine_ground(recording, readings.channels, question.full_structure, feedback_lag=lag)
-    return examine_ground_by_force(
-        recording, question.full_structure, mass=question.mass or 1.0, feedback_lag=lag
-    )
+    if isinstance(recording, Recording) and not question.linear:
+        return examine_ground_by_force(
+            recording, question.full_structure, mass=question.mass or 1.0, feedback_lag=lag
+        )
+    return examine_ground(recording, readings.channels, question.full_structure, feedback_lag=lag)
 
 
-def _open_filter(recording: Recording, question: Question) -> dict[str, float]:
+def _open_filter(recording: Recording | CoupledRecording, question: Question) -> dict[str, float]:
     """Delay [s] of a filter that noise shows where no filter is stated, and the command may have passed."""
-    if question.equipment.is_exact or "filter_delay" in question.stated or question.frame is not None:
+    is_stated = question.equipment.is_exact or "filter_delay" in question.stated
+    if is_stated or question.frame is not None or isinstance(recording, CoupledRecording):
         return {}
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
     return {} if filtering is None else {"open_filter": filtering.delay}
-
-
-def _error_of_several(
-    recording: CoupledRecording,
-    question: Question,
-    known_offsets: Collection[int],
-    repairs: Mapping[str, float],
-) -> ErrorOfSeveral:
-    """Compute the errors of all interface displacements; arguments as of `error_of_test`."""
-    from reliab.assessment.coupled_error.rebuild import CoupledReadings
-    from reliab.assessment.inferred_error import infer_errors
-
-    frame = question.frame
-    if frame is None:
-        raise AssertionError  # one mass has one actuator
-    recording = replace(
-        recording,
-        command=frame.straighten(recording.command),
-        measured=frame.straighten(recording.measured),
-    )
-    offsets = np.array([0.0 if place in known_offsets else np.nan for place in range(len(recording.command))])
-    require_lag(question.feedback_lag, recording.duration)
-    readings = CoupledReadings.from_histories(
-        recording.command,
-        recording.measured,
-        recording.time_step,
-        frame.partition,
-        to_interface=frame.to_interface,
-        ground=recording.ground,
-        sensor_offsets=offsets,
-    )
-    ground = examine_ground(recording, readings.channels, frame.partition, feedback_lag=question.feedback_lag)
-    inferred_error = infer_errors(
-        question.circumstances(readings.channels, ground, repairs, frame.partition),
-        readings.stride,
-        question.seed,
-    )
-    return ErrorOfSeveral(
-        rebuilt=readings.rebuilt(inferred_error, question.feedback_lag),
-        metric=question.metric,
-        threshold=question.threshold,
-        ground=ground,
-    )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 import numpy as np
 
 from reliab.assessment.budget.sizes import PriorSource, limit_certainty
-from reliab.assessment.rebuilt_error.parts import Parts
+from reliab.assessment.parts import Parts
 from reliab.assessment.rebuilt_error.spread import LEVEL, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_ground import ShownGround
@@ -21,7 +21,7 @@ from reliab.core.vocabulary import PERCENT, Metric
 from reliab.structures.partition import Partition
 
 if TYPE_CHECKING:
-    from reliab.assessment.coupled_error.coupled_error import CoupledError, DegreeError
+    from reliab.assessment.coupled_error import CoupledError, DegreeError
     from reliab.assessment.inferred_error import InferredError
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.assessment.rebuild import RebuiltError
@@ -196,9 +196,9 @@ class ErrorOfSeveral(ErrorWithThreshold):
     @cached_property
     def parts(self) -> Parts:
         """Parts of the error that governs; none where all are lost in noise."""
-        division = self.rebuilt.division
         if self.governing is None:
-            return Parts(gain=division.gain, delay=division.delay, by_name={}, rms=0.0)
+            gain, delay = self.rebuilt.tracking
+            return Parts(gain=gain, delay=delay, by_name={}, rms=0.0)
         return self.parts_of(self.governing)
 
     def parts_of(self, degree: "DegreeError") -> Parts:

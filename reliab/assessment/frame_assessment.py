@@ -13,8 +13,8 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
+from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import Placement
-from reliab.assessment.rebuilt_error.parts import ErrorPart
 from reliab.assessment.recorded_force import doubts_of_force
 from reliab.assessment.scope_of_test import ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex

@@ -10,8 +10,8 @@ from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThre
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.judged_test import JudgedError
+from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import place
-from reliab.assessment.rebuilt_error.parts import ErrorPart
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from reliab.assessment.budget.sizes import PriorSource
+from reliab.assessment.inference.band import AnalysisBand
 from reliab.assessment.inference.error_draws import (
     ErrorsOfTest,
     TestedStructure,
@@ -45,6 +46,11 @@ class InferredError:
     test: TestedStructure
     errors: ErrorsOfTest
     every: int  # Number of samples of which `exact` gives one
+
+    @property
+    def band(self) -> AnalysisBand:
+        """Band in which the test is analysed."""
+        return self.posterior.circumstances.channels.band
 
     @property
     def assumed(self) -> bool:

@@ -78,7 +78,7 @@ def rebuild_with_specimen(
     """
     tangent = tangent_structure(test)
     readings = Readings.from_histories(
-        command, measured_displacement, time_step, tangent, sensor_offset=sensor_offset
+        command, measured_displacement, time_step, tangent, sensor_offsets=sensor_offset
     )
     circumstances = Circumstances(**vars(known), partition=tangent, channels=readings.channels)
     return rebuild_modelled(readings, test, deviations or {}, circumstances, draws=draws, seed=seed)
@@ -97,7 +97,7 @@ def rebuild_modelled(
 
     `deviations` of the model's parameters.
     """
-    command, step = readings.command, readings.time_step
+    command, step = readings.command[0], readings.time_step
     tangent = circumstances.partition
     stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), step)
     modelled = ModelledTest(
@@ -111,7 +111,7 @@ def rebuild_modelled(
         seed=seed,
     )
     inferred = infer_errors(circumstances, stride, seed, draws=draws, test=modelled)
-    difference = readings.noise.smooth(command - readings.read)
+    difference = readings.noises[0].smooth(command - readings.read[0])
     histories = Histories(command=command, measured=command - difference, fed_back=difference, time_step=step)
     return readings.error_with(histories, tangent, inferred)
 

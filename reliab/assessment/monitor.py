@@ -13,8 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from reliab.assessment.coupled_error.coupled_error import CoupledError
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
 from reliab.assessment.modelled_test import (
@@ -22,8 +21,8 @@ from reliab.assessment.modelled_test import (
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuild import RebuiltError, rebuild
-from reliab.assessment.rebuilt_error.initial import Start, start_of_test
+from reliab.assessment.rebuild import RebuiltError, rebuild, rebuild_coupled
+from reliab.assessment.rebuilt_error.initial import Start, examine_starts
 from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
 from reliab.assessment.rebuilt_error.running_error import RunningError
 from reliab.assessment.rebuilt_error.running_test import Now, RunningTest, require_readings
@@ -204,8 +203,9 @@ class Monitor(RunningTest):
         command, measured_displacement = self._running.command[0], self._running.measured[0]
         if not self._has_begun and np.ptp(command[: self._stretch + 1]) > 0.0:
             noise = estimate_noise(command, measured_displacement, self.time_step)
-            histories = command, measured_displacement, self.time_step
-            self._begin_anew([start_of_test(*histories, self.structure, noise, self._sensor_offset)])
+            histories = command[np.newaxis], measured_displacement[np.newaxis], self.time_step
+            starts = examine_starts(*histories, self.structure, [noise], self._carry, self._sensor_offset)
+            self._begin_anew(starts)
             self._has_begun = True
         self._running.forget(self._stretch)
 

@@ -1,4 +1,4 @@
-"""The error of one test, rebuilt from its own command and measured displacement.
+"""The error of one test, rebuilt from its own commands and measured displacements.
 
 A test obeys M x_c'' + C_n x_c' + K_n x_c = −M ι a_g − γ f, the undisturbed structure the same with the
 specimen's true force under its own motion. Their difference e = x_c − x_I obeys the whole structure's own
@@ -38,15 +38,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.assessment.coupled_error import CoupledError, DegreeError, fit_followers
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import typical_world
+from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
 from reliab.assessment.inferred_error import InferredError, infer_errors
+from reliab.assessment.parts import ErrorPart, Parts, divide, part_of_tracking
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
-from reliab.assessment.rebuilt_error.initial import Start, check_histories, start_of_test
-from reliab.assessment.rebuilt_error.noise import SensorNoise, estimate_noise
-from reliab.assessment.rebuilt_error.parts import ErrorPart, Parts, divide, part_of_tracking
+from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_starts
+from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving, estimate_noises
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import DisplacementError
@@ -55,6 +57,8 @@ from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
+
+_DRAWS_OF_NOISE = 16  # that show how much of a displacement noise leaves open
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,11 +88,11 @@ class RebuiltError(DisplacementError):
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
-        return divide(self.histories, self.structure)
+        return divide(self.histories, self.structure, self.inferred.band)
 
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        return part_of_tracking(self.histories, self.structure, followed_command)
+        return part_of_tracking(self.histories, self.structure, self.inferred.band, followed_command)
 
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
@@ -97,14 +101,14 @@ class RebuiltError(DisplacementError):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Readings:
-    """Channels of a test, and how they begin."""
+    """Channels of a test with p actuators, and how they begin."""
 
-    command: Array  # [m], shape (n,)
-    read: Array  # Measured displacement without the offset that rest shows [m], shape (n,)
+    command: Array  # command, read: x_c, and x_m as read without offsets, at the sensors [m], shape (p, n)
+    read: Array
     time_step: float  # [s]
-    noise: SensorNoise
-    start: Start
-    every_of_structure: int  # Samples of which one resolves the structure's modes
+    noises: tuple[SensorNoise, ...]
+    starts: tuple[Start, ...]
+    partition: Partition  # The structure as stated
     channels: ChannelSpectra
 
     @classmethod
@@ -113,86 +117,141 @@ class Readings:
         command: Array,
         measured_displacement: Array,
         time_step: float,
-        structure: Partition,
+        partition: Partition,
         *,
+        to_interface: Array | None = None,
         ground: Array | None = None,
         force: Array | None = None,
-        sensor_offset: float | None = None,
+        sensor_offsets: Array | float | None = None,
         resolution: float | None = None,
     ) -> "Readings":
         """Check the channels, and transform them.
 
-        `command`, `measured_displacement` [m], with its stated scale taken away; `time_step` [s]; `ground`
-        [m/s²]; `force` over the mass [N/kg]; `sensor_offset`, `resolution` [m].
+        `command`, `measured_displacement` [m], with its stated scale taken away, shape (n,) or (p, n);
+        `time_step` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
+        shape (p, p), the identity by default; `ground` [m/s²]; `force` over the mass [N/kg], shape (n,);
+        `sensor_offsets`, NaN where it is not known, and `resolution` of the displacement sensors [m].
         """
-        command, measured_displacement = check_histories(command, measured_displacement, time_step, structure)
-        stride = samples_in_step_of_structure(structure, time_step)
-        require_fitting(command.size, stride, time_step)
-        noise = estimate_noise(command, measured_displacement, time_step)
-        start = start_of_test(command, measured_displacement, time_step, structure, noise, sensor_offset)
-        read = measured_displacement - start.offset
-        initial_displacement = (
-            float(structure.static_transfer[0, 0]) * start.standing
-        )  # by the command, before the record
-        stood = start.standing - initial_displacement
+        command, read = check_histories(command, measured_displacement, time_step, partition)
+        stride = samples_in_step_of_structure(partition, time_step)
+        require_fitting(command.shape[1], stride, time_step)
+        carry = np.eye(partition.degrees) if to_interface is None else np.asarray(to_interface, dtype=float)
+        noises = estimate_noises(command, read, time_step)
+        starts = examine_starts(command, read, time_step, partition, noises, carry, sensor_offsets)
+        read = read - np.array([[start.offset] for start in starts])
+        stood = np.array([start.standing for start in starts])
+        initial_displacement = np.linalg.solve(carry, partition.static_transfer @ carry @ stood)
+        remaining = stood - initial_displacement  # which the command did not answer before the record
         channels = ChannelSpectra.from_channels(
-            (command + initial_displacement)[np.newaxis],
-            (read - stood)[np.newaxis],
+            command + initial_displacement[:, np.newaxis],
+            read - remaining[:, np.newaxis],
             time_step,
-            structure,
+            partition,
             ground=ground,
             force=None if force is None else force[np.newaxis],
+            interface_matrix=carry,
             resolution=resolution or 0.0,
         )
         channels = replace(
             channels,
-            offset_size=np.array([start.offset_deviation]),
-            standing=np.array([stood]),
-            initial_size=0.0 if start.at_rest else channels.initial_size,
+            offset_size=np.array([start.offset_deviation for start in starts]),
+            standing=carry @ remaining,
+            initial_size=0.0 if all(start.at_rest for start in starts) else channels.initial_size,
         )
         return cls(
             command=command,
             read=read,
             time_step=time_step,
-            noise=noise,
-            start=start,
-            every_of_structure=stride,
+            noises=noises,
+            starts=starts,
+            partition=partition,
             channels=channels,
         )
 
     @property
     def stride(self) -> int:
         """Number of samples of which one is enough."""
-        return samples_in_step(self.every_of_structure, self.noise, self.command.size)
+        structure_stride = samples_in_step_of_structure(self.partition, self.time_step)
+        return samples_in_step(structure_stride, self.noises, self.command.shape[1])
 
     def rebuilt(self, inferred: InferredError) -> RebuiltError:
-        """Put the posterior of a linear structure into the form of a rebuilt error."""
+        """Put the posterior of a test with one actuator into the form of a rebuilt error."""
         world = typical_world(inferred.posterior, inferred.errors)
-        motion = world.displacement(self.channels)
-        late = world.late(motion, self.channels)
-        displacements = self.channels.band.full_history(np.stack([motion, late]))[:, 0]
-        displacement, late_displacement = displacements + self.channels.standing
-        histories = Histories(
-            command=self.command,
-            measured=displacement,
-            fed_back=self.command - late_displacement,
-            time_step=self.time_step,
-            standing=-self.start.standing,
+        histories = self._histories(world)
+        single = replace(
+            histories,
+            command=histories.command[0],
+            measured=histories.measured[0],
+            fed_back=histories.fed_back[0],
+            standing=-self.starts[0].standing,
+            carry=None,
         )
-        structure = world.structure(inferred.posterior.circumstances.partition)
-        return self.error_with(histories, structure, inferred)
+        return self.error_with(single, world.structure(self.partition), inferred)
 
     def error_with(self, histories: Histories, structure: Partition, inferred: InferredError) -> RebuiltError:
         """Put together what draws say of the error, and the histories and the structure of its parts."""
         return RebuiltError(
-            **inferred.histories(0, self.read),
+            **inferred.histories(0, self.read[0]),
             time_step=self.time_step,
             structure=structure,
-            noise=self.noise,
-            start=self.start,
+            noise=self.noises[0],
+            start=self.starts[0],
             histories=histories,
             inferred=inferred,
         )
+
+    def rebuilt_of_several(self, inferred: InferredError) -> CoupledError:
+        """Put the posterior of a test with several actuators into the form of a rebuilt error."""
+        read, noise = self.channels.to_interface @ self.read, self._noise_left
+        displacements = []
+        for place, name in enumerate(self.partition.names):
+            rebuilt = inferred.histories(place, read[place])
+            peak = float(np.abs(rebuilt["reference"]).max())
+            share = float(noise[place]) / peak if peak > 0.0 else np.inf
+            displacements.append(DegreeError(**rebuilt, name=name, noise=share))
+        world = typical_world(inferred.posterior, inferred.errors)
+        return CoupledError(
+            time_step=self.time_step,
+            displacements=tuple(displacements),
+            structure=world.structure(self.partition),
+            starts=self.starts,
+            histories=self._histories(world),
+            tracking=fit_followers(
+                self.command, np.gradient(self.command, self.time_step, axis=1), self.read
+            ),
+            inferred=inferred,
+        )
+
+    def _histories(self, world: Experiment) -> Histories:
+        """Histories of a possible world, from which the parts of the error are made, shape (p, n)."""
+        carry, motion = self.channels.to_interface, world.displacement(self.channels)
+        spectra = np.stack([motion, world.late(motion, self.channels)])
+        standing = np.reshape(self.channels.standing, (-1, 1))
+        displacement, late_displacement = self.channels.band.full_history(spectra) + standing
+        return Histories(
+            command=self.command,
+            measured=np.linalg.solve(carry, displacement),
+            fed_back=carry @ self.command - late_displacement,
+            time_step=self.time_step,
+            standing=carry @ np.array([-start.standing for start in self.starts]),
+            carry=carry,
+        )
+
+    @property
+    def _noise_left(self) -> Array:
+        """Standard deviation of x_m that the noise leaves open at the interface [m], shape (p,).
+
+        Of an actuator that is not told to move, all that its sensor shows is open.
+        """
+        channels, carry = self.channels, self.channels.to_interface
+        generator = np.random.default_rng(0)
+        draws = [
+            channels.band.history(carry @ channels.draw_noise(generator)) for _ in range(_DRAWS_OF_NOISE)
+        ]
+        still = ~are_moving(self.command, self.read)
+        mean_squares = np.where(still, np.mean((self.command - self.read) ** 2, axis=1), 0.0)
+        open_squares = np.mean(np.square(draws), axis=(0, 2)) + carry**2 @ mean_squares
+        return np.asarray(np.sqrt(open_squares))
 
 
 def rebuild(
@@ -227,7 +286,7 @@ def rebuild(
         measured_displacement,
         time_step,
         partition,
-        sensor_offset=sensor_offset,
+        sensor_offsets=sensor_offset,
         resolution=resolution,
     )
     require_lag(feedback_lag, readings.command.size * time_step)
@@ -235,3 +294,47 @@ def rebuild(
         **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
     )
     return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))
+
+
+def rebuild_coupled(
+    command: Array,
+    measured_displacements: Array,
+    time_step: float,
+    partition: Partition,
+    *,
+    to_interface: Array | None = None,
+    feedback_lag: float = 0.0,
+    known: PriorKnowledge = EXACTLY_KNOWN,
+    sensor_offsets: Array | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> CoupledError:
+    """Rebuild the error of every interface displacement of a test with several actuators.
+
+    `command`, `measured_displacements` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`:
+    interface displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
+    `sensor_offsets`: of the displacement sensors [m], NaN where they are not known, shape (p,).
+
+    Two actuators of which one moves 1 % too little:
+
+    >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)
+    >>> partition = Partition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
+    ...                       interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
+    >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
+    >>> error = rebuild_coupled(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
+    >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-3
+    (0.07, True)
+    """
+    readings = Readings.from_histories(
+        command,
+        measured_displacements,
+        time_step,
+        partition,
+        to_interface=to_interface,
+        sensor_offsets=sensor_offsets,
+    )
+    require_lag(feedback_lag, readings.command.shape[1] * time_step)
+    circumstances = Circumstances(
+        **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
+    )
+    return readings.rebuilt_of_several(infer_errors(circumstances, readings.stride, seed, draws=draws))

@@ -16,8 +16,8 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.judged_test import plot_errors
+from reliab.assessment.parts import follow
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
-from reliab.assessment.rebuilt_error.parts import follow
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, probability_text, word_of_probability
 from reliab.core.arrays import Array

@@ -12,19 +12,17 @@ from reliab.signals.spectra import convolve_valid
 
 _ORDERS = range(1, 9)
 _ROOM = 0.9  # of the Nyquist frequency: a wider pass band is no filter
-RIPPLE = 60.0
-"""How far the deviations of a filter lie below one where nothing else is asked for [dB]."""
+_RIPPLE = 60.0  # dB, how far the deviations of a filter lie below one
 
 REACH = 0.2
 """Share of a history that a filter may reach to one side."""
 
 
-def low_pass(edge: float, rate: float, ripple: float = RIPPLE) -> Array:
+def low_pass(edge: float, rate: float) -> Array:
     """Design a symmetric low-pass filter.
 
-    `edge`: frequency [Hz] at which half of the amplitude passes; `rate`: sampling rate [Hz]; `ripple`: how
-    far its deviations lie below one, above 50 [dB]. Returns coefficients, shape (odd,); the single 1 where
-    the edge is too near to the Nyquist frequency.
+    `edge`: frequency [Hz] at which half of the amplitude passes; `rate`: sampling rate [Hz].
+    Returns coefficients, shape (odd,); the single 1 where the edge is too near to the Nyquist frequency.
 
     >>> low_pass(49.0, 100.0).tolist(), low_pass(10.0, 100.0).size % 2
     ([1.0], 1)
@@ -32,17 +30,17 @@ def low_pass(edge: float, rate: float, ripple: float = RIPPLE) -> Array:
     nyquist = 0.5 * rate
     if not edge < _ROOM * nyquist:
         return np.ones(1)
-    reach = _kaiser_taps(0.6 * edge / nyquist, ripple) // 2
-    beta = 0.1102 * (ripple - 8.7)  # Kaiser (1974)
+    reach = _kaiser_taps(0.6 * edge / nyquist) // 2
+    beta = 0.1102 * (_RIPPLE - 8.7)  # Kaiser (1974)
     places = np.arange(-reach, reach + 1, dtype=np.float64)
     taper = scipy.special.i0(beta * np.sqrt(1.0 - (places / reach) ** 2)) / scipy.special.i0(beta)
     taps = edge / nyquist * np.sinc(edge / nyquist * places) * taper
     return np.asarray(taps / taps.sum())
 
 
-def _kaiser_taps(width: float, ripple: float) -> int:
+def _kaiser_taps(width: float) -> int:
     """Odd number of coefficients of Kaiser's design, for a transition as wide as a share of Nyquist's."""
-    return int(np.ceil((ripple - 7.95) / 2.285 / (np.pi * width) + 1.0)) | 1
+    return int(np.ceil((_RIPPLE - 7.95) / 2.285 / (np.pi * width) + 1.0)) | 1
 
 
 def filter_symmetrically(values: Array, coefficients: Array) -> Array:

@@ -49,14 +49,6 @@ def static_shapes(stiffness: Array, is_dependent: NDArray[np.bool_]) -> Array:
     return shapes
 
 
-def mass_orthonormal(shapes: Array, mass: Array) -> Array:
-    """Basis of the same motions, of unit mass each, without those that depend on others."""
-    unit_mass_shapes = shapes / np.sqrt(np.einsum("di,de,ei->i", shapes, mass, shapes))
-    values, vectors = np.linalg.eigh(unit_mass_shapes.T @ mass @ unit_mass_shapes)
-    independent = values > _SINGULAR * values.max()
-    return np.asarray(unit_mass_shapes @ vectors[:, independent] / np.sqrt(values[independent]))
-
-
 def modal_damping(mass: ArrayLike, stiffness: ArrayLike, ratios: ArrayLike) -> Array:
     """Damping matrix of given damping ratios of the modes, C = M Φ diag(2ζ_iω_i) Φᵀ M.
 

@@ -27,7 +27,6 @@ from reliab.effects.effect import Effect, Role
 from reliab.structures.frame import (
     Frame,
     influence_vector,
-    mass_orthonormal,
     massless,
     matrices_of_one_size,
     require_positive_definite,
@@ -42,7 +41,6 @@ from reliab.structures.structure import Structure
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass
 _SINGULAR = 1e-10  # of the largest singular value
 _SAME_SPECIMEN = 1e-6
-_FEWEST_TO_REDUCE = 6  # degrees of freedom that are too few to be reduced
 _LEAST_SHARE = 1e-6
 
 
@@ -322,20 +320,6 @@ class Partition:
             degrees_of_freedom=(),
             influence=np.asarray(influence, dtype=np.float64),
         )
-
-    def reduce_to_modes(self, count: int) -> "Partition":
-        """Reduce the structure to its lowest modes; those above follow by statics and inertia.
-
-        The shapes that are kept are these modes and K⁻¹Γ, K⁻¹MK⁻¹Γ, so that statics at the interface and its
-        first correction are exact.
-        """
-        regular = self.nonsingular_form
-        if regular.size <= _FEWEST_TO_REDUCE or count + 2 * self.degrees >= regular.size:
-            return regular
-        slow = scipy.linalg.eigh(regular.stiffness, regular.mass)[1][:, :count]
-        static = np.linalg.solve(regular.stiffness, regular.interface)
-        inertial = np.linalg.solve(regular.stiffness, regular.mass @ static)
-        return regular.project(mass_orthonormal(np.hstack([slow, static, inertial]), regular.mass))
 
     @cached_property
     def natural_frequencies(self) -> Array:

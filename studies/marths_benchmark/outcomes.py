@@ -14,9 +14,9 @@ import numpy as np
 import scipy
 
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.coupled_error.coupled_error import CoupledError
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
+from reliab.assessment.rebuild import rebuild_coupled
 from reliab.core.arrays import Array
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion

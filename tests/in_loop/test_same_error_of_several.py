@@ -7,7 +7,7 @@ from coupled_structures import coupled_response
 from drawn_tests import draw_several_actuators, errors_of_assess, loop_with_delay, random_partition, shaken
 
 from reliab.app.api.monitor import export_monitor
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
+from reliab.assessment.rebuild import rebuild_coupled
 from reliab.core.shipped import shipped
 from reliab.in_loop.sources import LoopMonitor
 from reliab.simulation.frames.frame_file import read_structure

@@ -51,13 +51,11 @@ def test_poles(order):
     np.testing.assert_array_equal(butterworth_poles(order), scipy.signal.buttap(order)[1])
 
 
-@pytest.mark.parametrize(
-    ("edge", "rate", "ripple"), [(10.0, 1024.0, 60.0), (33.0, 200.0, 80.0), (400.0, 1024.0, 60.0)]
-)
-def test_a_low_pass_filter_is_kaisers(edge, rate, ripple):
-    taps, beta = scipy.signal.kaiserord(ripple, 0.6 * edge / (0.5 * rate))
+@pytest.mark.parametrize(("edge", "rate"), [(10.0, 1024.0), (33.0, 200.0), (400.0, 1024.0)])
+def test_a_low_pass_filter_is_kaisers(edge, rate):
+    taps, beta = scipy.signal.kaiserord(60.0, 0.6 * edge / (0.5 * rate))
     expected = scipy.signal.firwin(taps | 1, edge / (0.5 * rate), window=("kaiser", beta))
-    np.testing.assert_allclose(low_pass(edge, rate, ripple), expected, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(low_pass(edge, rate), expected, rtol=0.0, atol=1e-15)
 
 
 def test_a_recursive_filter(rng):

@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.app.api.arguments import parse_filters, require_sound, structure_of
 from reliab.assessment.budget.sizes import Equipment, limit_certainty, tolerances_of_structure
-from reliab.assessment.coupled_error.coupled_error import CoupledError
+from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import UNKNOWN
 from reliab.assessment.inference.posterior import DRAWS

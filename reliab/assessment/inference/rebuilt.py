@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from reliab.assessment.inference.band import AnalysisBand
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.structure_response import StructureResponse, respond
@@ -58,6 +59,12 @@ def _interface_motion(response: StructureResponse, difference: Spectrum) -> Spec
         return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
     structure_motion = response.compliance @ (response.impedance @ difference.T[..., np.newaxis])
     return np.asarray(structure_motion[..., 0].T)
+
+
+def error_of_command(structure: Partition, band: AnalysisBand, difference: Array) -> Array:
+    """Error x_c − x_I [m] that a history of x_c − x_f at the interface [m] causes, both shape (p, n)."""
+    motion = _interface_motion(respond(structure, band), band.spectrum(np.atleast_2d(difference)))
+    return band.full_history(motion)
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:

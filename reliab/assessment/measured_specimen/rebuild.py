@@ -23,11 +23,7 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
 from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
 from reliab.assessment.measured_specimen.path import MeasuredPath
-from reliab.assessment.rebuild import Readings, RebuiltError
-from reliab.assessment.rebuilt_error.error_statistics import relative_error, relative_errors
-from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
-from reliab.assessment.rebuilt_error.parts import (
+from reliab.assessment.parts import (
     AMPLITUDE,
     DELAY,
     FED_BACK_FORCE,
@@ -38,6 +34,10 @@ from reliab.assessment.rebuilt_error.parts import (
     part_of,
     parts_of,
 )
+from reliab.assessment.rebuild import Readings, RebuiltError
+from reliab.assessment.rebuilt_error.error_statistics import relative_error, relative_errors
+from reliab.assessment.rebuilt_error.histories import Histories
+from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
 from reliab.assessment.rebuilt_error.widenings import Widening
@@ -178,7 +178,7 @@ def rebuild_with_force(
         measured_displacement,
         time_step,
         structure,
-        sensor_offset=sensor_offset,
+        sensor_offsets=sensor_offset,
         resolution=resolution,
     )
     circumstances = Circumstances(
@@ -199,11 +199,11 @@ def rebuild_learned(
     structure, step = circumstances.partition, readings.time_step
     channel = channel or ForceChannel()
     with one_thread():
-        command, noise = readings.command, readings.noise
+        command, noise = readings.command[0], readings.noises[0]
         force = _check_force(force, command)
         stride = _samples_in_step(structure, step)
         require_fitting(command.size, stride, step)
-        smooth = noise.smooth(command - readings.read)
+        smooth = noise.smooth(command - readings.read[0])
         histories = Histories(command=command, measured=command - smooth, fed_back=smooth, time_step=step)
         thin = histories.thin(stride)
         recorded_force = np.ascontiguousarray(noise.smooth(force)[::stride])

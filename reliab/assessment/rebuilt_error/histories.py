@@ -1,14 +1,13 @@
 """Histories of a test with several actuators or one, from which its error is rebuilt."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.arrays import Array
-from reliab.structures.partition import Partition
 
 _BAND_PERIOD_SHARE = 0.25  # of the period of the highest frequency of the motion that a step may be
 _FEWEST_SWEPT = 4096  # samples up to which the motion's band, too, is resolved in responses of draws
@@ -28,7 +27,6 @@ class Histories:
     # Interface displacements of unit displacements of the sensors [-], shape (p, p); None of one, which
     # stands there
     carry: Array | None = None
-    smooth: bool = False  # Whether histories are smooth between samples; else they are straight lines
 
     def carry_to_interface(self, displacements: Array) -> Array:
         """Displacements of the interface by those at the sensors [m], shape (…, n)."""
@@ -59,23 +57,12 @@ class Histories:
             time_step=stride * self.time_step,
         )
 
-    def recursion(self, structure: Partition) -> Recursion:
-        """Recursion from x_c − x_m at these samples to the error of a structure."""
-        return Recursion.from_displacement(structure, self.time_step, smooth=self.smooth)
 
-    def standing_in(self, recursion: Recursion) -> Array:
-        """State in which the structure stood before the first sample, shape (2n,)."""
-        return np.asarray(recursion.static @ np.atleast_1d(self.standing))
-
-    def respond(self, recursion: Recursion) -> Array:
-        """Answer e of the interface to the test as recorded [m], shape (p, n)."""
-        return respond(recursion, self.fed_back, self.standing_in(recursion))
-
-
-def samples_in_step(structure_stride: int, noise: SensorNoise, samples: int) -> int:
+def samples_in_step(structure_stride: int, noises: Sequence[SensorNoise], samples: int) -> int:
     """Return the number of samples of which one is enough while draws are swept.
 
     `structure_stride`: the number of which one resolves the structure's modes.
     """
-    band_stride = max(int(_BAND_PERIOD_SHARE / (noise.band * noise.time_step)), 1)
+    highest = max(noise.band for noise in noises)
+    band_stride = max(int(_BAND_PERIOD_SHARE / (highest * noises[0].time_step)), 1)
     return min(structure_stride, max(band_stride, -(-samples // _FEWEST_SWEPT)))

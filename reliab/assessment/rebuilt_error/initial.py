@@ -11,12 +11,13 @@ before the recording began: the error then begins in equilibrium and not from ze
 motion the initial error is unknown, and the interval includes it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.noise import SensorNoise
+from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.physical_range import require_physical
@@ -173,28 +174,24 @@ def _loop_response(command: Array, measured_displacement: Array, offset: float, 
 
 
 def check_histories(
-    command: Array,
-    measured_displacement: Array,
-    step: float,
-    structure: Partition,
-    *,
-    has_actuators: bool = False,
+    command: Array, measured_displacement: Array, step: float, structure: Partition
 ) -> tuple[Array, Array]:
-    """Check command and measured displacement.
+    """Check commands and measured displacements [m], shape (n,) or (p, n); returns both as (p, n).
 
-    `command`, `measured_displacement` [m], shape (n,), or (p, n) of `has_actuators` actuators; `step` [s].
+    `step` [s].
     """
     command, measured_displacement = (
-        np.ascontiguousarray(values, dtype=np.float64) for values in (command, measured_displacement)
+        np.ascontiguousarray(np.atleast_2d(values), dtype=np.float64)
+        for values in (command, measured_displacement)
     )
     shape = command.shape
-    if len(shape) != 1 + has_actuators or shape != measured_displacement.shape or shape[-1] < FEWEST_SAMPLES:
+    if len(shape[:-1]) != 1 or shape != measured_displacement.shape or shape[-1] < FEWEST_SAMPLES:
         raise InputError(
             f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES} samples",
             value=f"shapes {shape} and {measured_displacement.shape}",
             remedy="Give the histories of the whole test, of every actuator if there are several",
         )
-    if has_actuators and shape[0] != structure.degrees:
+    if shape[0] != structure.degrees:
         raise InputError(
             "A test must have a command and a measured displacement for each degree of freedom of the "
             "specimen",
@@ -217,19 +214,30 @@ def check_histories(
     return command, measured_displacement
 
 
-def start_of_test(
+def examine_starts(
     command: Array,
     measured_displacement: Array,
     time_step: float,
-    structure: Partition,
-    noise: SensorNoise,
-    sensor_offset: float | None,
-) -> Start:
-    """Examine how a test begins; a stated sensor offset is used as given.
+    partition: Partition,
+    noises: Sequence[SensorNoise],
+    to_interface: Array,
+    sensor_offsets: Array | float | None = None,
+) -> tuple[Start, ...]:
+    """Examine how the channels of p actuators begin; a stated offset of a sensor is used as given.
 
-    `command`, `measured_displacement` [m]; `time_step` [s]; `sensor_offset` [m].
+    `command`, `measured_displacement` [m], shape (p, n); `time_step` [s]; `to_interface`: interface
+    displacements per unit of each channel [-], shape (p, p); `sensor_offsets` [m], NaN where none is stated.
     """
-    lowest = float(structure.natural_frequencies[0]) or 1.0
-    share = float(structure.static_transfer[0, 0])
-    start = examine_start(command, measured_displacement, time_step, lowest, noise.white, noise.slow, share)
-    return start if sensor_offset is None else replace(start, offset=sensor_offset, offset_deviation=0.0)
+    lowest = float(partition.natural_frequencies[0]) or 1.0
+    moves, shares = are_moving(command, measured_displacement), partition.shares_at_sensors(to_interface)
+    offsets = np.broadcast_to(np.nan if sensor_offsets is None else sensor_offsets, len(command))
+    starts = []
+    for place, (row, read) in enumerate(zip(command, measured_displacement, strict=True)):
+        start = Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=0.0)
+        if moves[place]:
+            noise, share = noises[place], float(shares[place])
+            start = examine_start(row, read, time_step, lowest, noise.white, noise.slow, share)
+        if not np.isnan(offsets[place]):
+            start = replace(start, offset=float(offsets[place]), offset_deviation=0.0)
+        starts.append(start)
+    return tuple(starts)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array, read_only
-from reliab.signals.filters import RIPPLE, LowPass, filter_symmetrically, low_pass
+from reliab.signals.filters import LowPass, filter_symmetrically, low_pass
 from reliab.signals.noise import fit_levels, noise_shapes
 from reliab.signals.spectra import average_over_bins, periodogram, upper_level
 
@@ -48,6 +48,8 @@ _STANDING = (
     0.02  # share of samples that repeat the one before: of a reading with play, a converter, held ones
 )
 _UPDATES_OF_FILTER = 200
+_STILL = 1e-12  # of a measured displacement, up to which its command stands still
+_NEARLY_STILL = 1e-9  # of it, by which a command moves that stands in for one that does not
 
 
 def is_lost_in_noise(difference: Array, largest: float) -> bool:
@@ -76,7 +78,6 @@ class SensorNoise:
     # Frequency [Hz] above which neither the command nor its difference from the measured displacement rises
     # above the noise
     band: float
-    ripple: float = RIPPLE  # How far the filter's deviations in the band lie below one [dB]
 
     @property
     def white(self) -> float:
@@ -97,7 +98,7 @@ class SensorNoise:
     @cached_property
     def filter(self) -> Array:
         """Coefficients of the symmetric low-pass filter that passes the band, shape (odd,)."""
-        return low_pass(_MARGIN * self.band, 1.0 / self.time_step, self.ripple)
+        return low_pass(_MARGIN * self.band, 1.0 / self.time_step)
 
     def smooth(self, values: Array) -> Array:
         """Return histories, shape (…, n), without what lies above the band, and without delay."""
@@ -133,6 +134,27 @@ def estimate_noise(
         weights=weights,
         band=max(_band(power, weights[0], command.size, time_step) for power in moving),
     )
+
+
+def estimate_noises(
+    commands: Array, measured_displacements: Array, time_step: float
+) -> tuple[SensorNoise, ...]:
+    """Estimate the noise of the sensors of p actuators, which may move each other; both [m], shape (p, n)."""
+    moves, noises = are_moving(commands, measured_displacements), []
+    for place, (command, displacement) in enumerate(zip(commands, measured_displacements, strict=True)):
+        if moves[place]:
+            other_commands = commands[moves & (np.arange(len(moves)) != place)]
+            noises.append(estimate_noise(command, displacement, time_step, other_commands))
+        else:
+            still = np.zeros(displacement.size)
+            still[1] = _NEARLY_STILL * max(float(np.ptp(displacement)), np.finfo(float).tiny)
+            noises.append(estimate_noise(still, displacement - displacement.mean(), time_step))
+    return tuple(noises)
+
+
+def are_moving(commands: Array, measured_displacements: Array) -> NDArray[np.bool_]:
+    """Which actuators are told to move, shape (p,)."""
+    return np.asarray(np.ptp(commands, axis=1) > _STILL * np.abs(measured_displacements).max(axis=1))
 
 
 def level_of_residual(

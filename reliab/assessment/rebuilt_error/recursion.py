@@ -14,8 +14,7 @@ Workman, *Digital Control of Dynamic Systems*, 3rd ed., section 6.3.2) ::
 
     w₊ = E w + F₀u + F₁u₊,      e^[[A, B, 0], [0, 0, 1], [0, 0, 0]]h = [[E, F₀ + F₁, F₁], …]
 
-Straight lines between the samples of a smooth τ lack (ωh)²/12 of it, 0.6 % where a period has 24 samples. Of
-a recursion for smooth inputs that much of their bend, (τ₊ − 2τ + τ₋)/12, is added to the samples they join.
+Straight lines between the samples of a smooth τ lack (ωh)²/12 of it, 0.6 % where a period has 24 samples.
 """
 
 from dataclasses import dataclass
@@ -42,7 +41,6 @@ class Recursion:
     # State per constant input under which the structure stands still, shape (2n, p); NaN where no stiffness
     # holds it
     static: Array
-    smooth: bool = False  # Whether inputs are smooth between samples; else they are straight lines
 
     @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array, Array]:
@@ -51,9 +49,7 @@ class Recursion:
         return read_only(self.transition), read_only(self.early), read_only(self.late), *output_matrices
 
     @classmethod
-    def from_displacement(
-        cls, structure: Partition, time_step: float, *, slips: bool = False, smooth: bool = False
-    ) -> "Recursion":
+    def from_displacement(cls, structure: Partition, time_step: float, *, slips: bool = False) -> "Recursion":
         """Recursion from x_c − x_m to the error of the interface.
 
         `time_step` [s]; `slips`: whether displacements that the specimen's stiffness has lost are further
@@ -69,9 +65,7 @@ class Recursion:
             rate_loads = np.hstack([rate_loads, np.zeros_like(slip_loads)])
             displacement_loads = np.hstack([displacement_loads, slip_loads])
             feed_through = np.hstack([feed_through, np.zeros_like(feed_through)])
-        return cls._discretize(
-            structure, rate_loads, displacement_loads, time_step, gamma.T, feed_through, smooth=smooth
-        )
+        return cls._discretize(structure, rate_loads, displacement_loads, time_step, gamma.T, feed_through)
 
     @classmethod
     def from_force(cls, structure: Partition, time_step: float) -> "Recursion":
@@ -92,8 +86,6 @@ class Recursion:
         step: float,
         rows: Array,
         feed_through: Array,
-        *,
-        smooth: bool = False,
     ) -> "Recursion":
         size, inputs = displacement_loads.shape
         joint_rows = np.hstack([structure.damping, structure.stiffness, rate_loads, displacement_loads])
@@ -119,7 +111,6 @@ class Recursion:
             output=np.hstack([rows, np.zeros_like(rows)]),
             feed_through=np.ascontiguousarray(feed_through),
             static=np.vstack([still, viscous @ still - rate_inputs]),
-            smooth=smooth,
         )
 
     @property
@@ -154,26 +145,7 @@ def respond(recursion: Recursion, values: Array, state: Array | None = None) -> 
 
 def run_on(recursion: Recursion, inputs: Array, state: Array) -> Array:
     """Run the recursion from the state at the first input, shape (p, n), to that at the last, in place."""
-    return np.asarray(
-        march(
-            *recursion.matrices,
-            (0,) * len(inputs),
-            inputs,
-            straighten_history(inputs) if recursion.smooth else inputs,
-            state,
-        )
-    )
-
-
-@compiled
-def straighten_history(inputs: Array) -> Array:
-    """Return samples whose straight connections move a structure as a smooth history does, shape (p, n)."""
-    answer = inputs.copy()
-    for row in range(inputs.shape[0]):
-        for i in range(1, inputs.shape[1] - 1):
-            bend = inputs[row, i + 1] - 2.0 * inputs[row, i] + inputs[row, i - 1]
-            answer[row, i] = inputs[row, i] - bend / 12.0
-    return answer
+    return np.asarray(march(*recursion.matrices, (0,) * len(inputs), inputs, state))
 
 
 @compiled
@@ -185,7 +157,6 @@ def march(
     feed_through: Array,
     actuators: tuple[int, ...],
     inputs: Array,
-    driving: Array,
     state: Array,
 ) -> Array:
     """Return outputs, shape (outputs, n); `state` belongs to the first and then to the last sample."""
@@ -193,7 +164,7 @@ def march(
     scratch = np.empty(state.size)
     for i in range(inputs.shape[1]):
         if i > 0:
-            advance(actuators, transition, early, late, driving, i, state, scratch)
+            advance(actuators, transition, early, late, inputs, i, state, scratch)
         for row in range(output.shape[0]):
             total = 0.0
             for channel in range(len(actuators)):

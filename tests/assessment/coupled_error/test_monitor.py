@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from coupled_structures import coupled_response, described, node, two_storeys
 
-from reliab.assessment.coupled_error.rebuild import rebuild_coupled
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.monitor import Monitor
+from reliab.assessment.rebuild import rebuild_coupled
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition

@@ -5,8 +5,8 @@ import pytest
 
 from rebuilt_error.laboratory import BACKLASH, BIAS, DELAY, RATE, Lab, noise, quantise, run, synthetic_ground
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
+from reliab.assessment.parts import parts_of
 from reliab.assessment.rebuild import rebuild
-from reliab.assessment.rebuilt_error.parts import parts_of
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.signals.noise import converter_step

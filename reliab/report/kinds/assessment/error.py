@@ -10,7 +10,7 @@ from reliab.assessment.error_of_test import CANCELLING, PART_NAMES, ErrorOfTest,
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
-from reliab.assessment.rebuilt_error.parts import Parts
+from reliab.assessment.parts import Parts
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, error_in_words, next_steps

@@ -1,4 +1,4 @@
-"""A structure that is reduced keeps its slow modes and its statics; what has no mass follows."""
+"""Frames that are scaled, and the damping of parts without mass."""
 
 from dataclasses import replace
 
@@ -24,37 +24,6 @@ def tall(stories=60):
         interface=interface,
         specimen_stiffness=np.array([[3e5, 0.0], [0.0, 2e5]]),
     )
-
-
-def test_modes_below_a_frequency_and_statics_at_the_interface_are_kept():
-    complete = tall()
-    highest = 0.5 * (complete.natural_frequencies[6] + complete.natural_frequencies[7])
-    smaller = complete.reduce_to_modes(7)
-    assert 7 + 2 < smaller.size <= 7 + 2 * 2  # a static shape may nearly be one of the modes
-    np.testing.assert_allclose(smaller.mass, np.eye(smaller.size), atol=1e-5)
-    np.testing.assert_allclose(smaller.natural_frequencies[:7], complete.natural_frequencies[:7], rtol=1e-8)
-    assert smaller.natural_frequencies[7] > highest
-    np.testing.assert_allclose(smaller.static_transfer, complete.static_transfer, rtol=1e-7)
-    for result, mode in zip(smaller.modes, complete.modes, strict=True):
-        np.testing.assert_allclose(np.abs(result[..., :7]), np.abs(mode[..., :7]), rtol=1e-5, atol=1e-9)
-    inertia = complete.mass @ np.linalg.solve(complete.stiffness, complete.interface)
-    first = np.linalg.solve(complete.stiffness, complete.interface).T @ inertia
-    reduction = np.linalg.solve(smaller.stiffness, smaller.interface)
-    np.testing.assert_allclose(reduction.T @ smaller.mass @ reduction, first, rtol=1e-6)
-
-
-def test_small_structure_is_not_reduced():
-    small, complete = tall(41), tall()
-    assert complete.reduce_to_modes(complete.size) is complete
-    three_floors = Partition(
-        mass=np.diag([4.0, 3.0, 2.0]),
-        damping=0.1 * np.eye(3),
-        stiffness=np.diag([90.0, 80.0, 70.0]),
-        interface=np.eye(3)[:, :2],
-        specimen_stiffness=np.eye(2),
-    )
-    assert three_floors.reduce_to_modes(0) is three_floors
-    assert small.reduce_to_modes(2).size == 2 + 4
 
 
 def test_a_structure_scaled_has_frequencies_damping_and_specimen_of_its_own():

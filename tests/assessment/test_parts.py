@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from rebuilt_error.by_transform import respond_spectrally
+
+from reliab.assessment.inference.band import AnalysisBand
+from reliab.assessment.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise
-from reliab.assessment.rebuilt_error.parts import divide, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
@@ -17,6 +18,7 @@ from reliab.structures.structure import Structure
 STEP = 1.0 / 256.0
 TIME = STEP * np.arange(2048)
 STRUCTURE = Partition.from_structure(Structure(frequency=1.5, damping_ratio=0.05, experimental_fraction=0.6))
+BAND = AnalysisBand.choose(samples=TIME.size, time_step=STEP, lowest=1.5, highest=60.0, decay=0.47)
 
 
 @pytest.fixture(scope="module")
@@ -37,14 +39,14 @@ def response(difference, structure=STRUCTURE):
 
 def test_parts_of_no_error_have_no_share(histories):
     perfect = replace(histories, measured=histories.command, fed_back=np.zeros(TIME.size))
-    for part in divide(perfect, STRUCTURE).by_name.values():
+    for part in divide(perfect, STRUCTURE, BAND).by_name.values():
         assert np.abs(part.history).max() < 1e-12
     nothing = part_of(np.zeros(5), np.zeros(5), 1.0)
     assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
 
 
 def test_a_part_over_time_keeps_its_mean_square(histories):
-    parts = divide(histories, STRUCTURE)
+    parts = divide(histories, STRUCTURE, BAND)
     for name, part in parts.by_name.items():
         square = np.mean(part.history**2)
         stretches = parts.rms_over_time(STEP, 2.0)[name]
@@ -56,7 +58,7 @@ def test_a_part_over_time_keeps_its_mean_square(histories):
 
 
 def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
-    parts = divide(histories, STRUCTURE)
+    parts = divide(histories, STRUCTURE, BAND)
     rate = np.gradient(histories.command, STEP)
     basis = np.stack([histories.command, -rate, np.ones(TIME.size)])
     gain, delay, _ = np.linalg.lstsq(basis.T, histories.measured, rcond=None)[0]
@@ -74,10 +76,10 @@ def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
 
 
 def test_exactly_described_actuator_accounts_for_the_whole_error(histories):
-    part = part_of_tracking(histories, STRUCTURE, histories.measured)
+    part = part_of_tracking(histories, STRUCTURE, BAND, histories.measured)
     assert part.share == pytest.approx(1.0)
     assert part.remaining_rms == pytest.approx(0.0, abs=1e-12)
-    half = part_of_tracking(histories, STRUCTURE, 0.5 * (histories.measured + histories.command))
+    half = part_of_tracking(histories, STRUCTURE, BAND, 0.5 * (histories.measured + histories.command))
     assert half.share == pytest.approx(0.5)
     assert half.rms == pytest.approx(0.5 * part.rms)
     ideal = np.abs(histories.measured - part.history).max()
@@ -89,8 +91,8 @@ def test_a_step_of_the_sweep_resolves_structure_and_motion():
     stiff = Partition.from_structure(Structure(frequency=0.5, damping_ratio=0.05))
     noise = SensorNoise(time_step=1.0 / 1024.0, weights=np.zeros(6), band=32.0)
     of_structure = samples_in_step_of_structure(stiff, noise.time_step)
-    assert samples_in_step(of_structure, noise, 20_000) == 8
-    assert samples_in_step(of_structure, replace(noise, band=128.0), 4096) == 2
-    assert samples_in_step(of_structure, replace(noise, band=128.0), 4096 * 5 + 1) == 6
-    assert samples_in_step(of_structure, replace(noise, band=2.0), 100) == 32
-    assert samples_in_step(of_structure, replace(noise, band=400.0), 100) == 1
+    assert samples_in_step(of_structure, [noise], 20_000) == 8
+    assert samples_in_step(of_structure, [replace(noise, band=128.0)], 4096) == 2
+    assert samples_in_step(of_structure, [replace(noise, band=128.0)], 4096 * 5 + 1) == 6
+    assert samples_in_step(of_structure, [replace(noise, band=2.0)], 100) == 32
+    assert samples_in_step(of_structure, [replace(noise, band=400.0)], 100) == 1

@@ -14,12 +14,12 @@ from functools import cached_property
 
 import numpy as np
 
+from reliab.assessment.inference.band import AnalysisBand
 from reliab.assessment.inferred_error import InferredError
+from reliab.assessment.parts import Parts, parts_of, pieces_of
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.initial import Start
 from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
-from reliab.assessment.rebuilt_error.parts import Parts, parts_of, pieces_of
-from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent
@@ -38,8 +38,7 @@ _OWN_REMEDY, _OTHERS_REMEDY = (
 class CoupledParts:
     """The error divided into parts."""
 
-    gain: Array  # k of least squares [-], shape (p, p)
-    delay: Array  # τ of least squares [s], shape (p, p)
+    tracking: tuple[Array, Array]  # Of `CoupledError`
     histories: dict[str, Array]  # Contribution of each part to x_m − x_I [m], shape (p, n)
     reference: Array  # x_I [m], shape (p, n)
 
@@ -47,21 +46,20 @@ class CoupledParts:
         """Parts of the error of one interface displacement, such as "actuator_1_gain"."""
         pieces = {name: history[place] for name, history in self.histories.items()}
         peak = max(float(np.abs(self.reference[place]).max()), np.finfo(float).tiny)
-        return parts_of(self.gain, self.delay, pieces, peak)
+        return parts_of(*self.tracking, pieces, peak)
 
 
-def divide(histories: Histories, recursion: Recursion) -> CoupledParts:
-    """Divide a rebuilt error into its parts."""
-    command, measured_displacement = histories.command, histories.measured
-    velocity = np.gradient(command, histories.time_step, axis=1)
-    gain, delay = _fit_followers(command, velocity, measured_displacement)
+def divide(histories: Histories, structure: Partition, band: AnalysisBand) -> tuple[dict[str, Array], Array]:
+    """Divide a rebuilt error into its parts [m]; returns also x_I [m], each shape (p, n)."""
+    velocity = np.gradient(histories.command, histories.time_step, axis=1)
+    gain, delay = fit_followers(histories.command, velocity, histories.measured)
     differences = _differences(histories, velocity, gain, delay)
-    pieces = pieces_of(histories, recursion, differences, remainder="actuator_1_rest")
-    reference = histories.carry_to_interface(command) - histories.respond(recursion)
-    return CoupledParts(gain=gain, delay=delay, histories=pieces, reference=reference)
+    pieces = pieces_of(histories, structure, band, differences, remainder="actuator_1_rest")
+    displacement = histories.carry_to_interface(histories.measured)
+    return pieces, displacement - np.sum(list(pieces.values()), axis=0)
 
 
-def _fit_followers(command: Array, velocity: Array, measured_displacement: Array) -> tuple[Array, Array]:
+def fit_followers(command: Array, velocity: Array, measured_displacement: Array) -> tuple[Array, Array]:
     """Gains and delays of least squares, those of actuator i in row i.
 
     Commands that move alike do not tell whose error it is: the smallest errors are taken that explain the
@@ -130,10 +128,11 @@ class CoupledError:
 
     time_step: float  # s
     displacements: tuple[DegreeError, ...]  # In the order of the interface displacements
-    structure: Partition  # As stated
+    structure: Partition  # The structure with which the parts are found
     starts: tuple[Start, ...]  # How each channel begins
     histories: Histories
-    recursion: Recursion  # From x_c − x_m to the errors of the command
+    # k [-] and τ [s] of least squares as the sensors read, each shape (p, p)
+    tracking: tuple[Array, Array]
     inferred: InferredError  # Draws of everything that is uncertain, and what they say of the errors
 
     @property
@@ -177,4 +176,5 @@ class CoupledError:
     @cached_property
     def division(self) -> CoupledParts:
         """The errors of all displacements divided by actuator and by cause."""
-        return divide(self.histories, self.recursion)
+        histories, reference = divide(self.histories, self.structure, self.inferred.band)
+        return CoupledParts(tracking=self.tracking, histories=histories, reference=reference)

@@ -15,9 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reliab.assessment.inference.band import AnalysisBand
+from reliab.assessment.inference.rebuilt import error_of_command
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.arrays import Array
 from reliab.core.plain_values import finite
 from reliab.structures.partition import Partition
@@ -103,29 +104,37 @@ class Parts:
         return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
 
 
-def divide(histories: Histories, structure: Partition) -> Parts:
+def divide(histories: Histories, structure: Partition, band: AnalysisBand) -> Parts:
     """Divide a rebuilt error into its parts."""
     measured_displacement = histories.measured
     gain, delay, differences = follow(histories.command, measured_displacement, histories.time_step)
-    interface_pieces = pieces_of(histories, histories.recursion(structure), differences, remainder=NEITHER)
+    interface_differences = {name: row[np.newaxis] for name, row in differences.items()}
+    interface_pieces = pieces_of(histories, structure, band, interface_differences, remainder=NEITHER)
     pieces = {name: piece[0] for name, piece in interface_pieces.items()}
     error = np.sum(list(pieces.values()), axis=0)
     return parts_of(gain, delay, pieces, float(np.abs(measured_displacement - error).max()))
 
 
 def pieces_of(
-    histories: Histories, recursion: Recursion, differences: Mapping[str, Array], *, remainder: str
+    histories: Histories,
+    structure: Partition,
+    band: AnalysisBand,
+    differences: Mapping[str, Array],
+    *,
+    remainder: str,
 ) -> dict[str, Array]:
     """Pieces of x_m − x_I that pieces of x_c − x_m [m] cause, shape (p, n), and one of a late force.
 
     The answer to x_c − x_m before the first sample belongs to the `remainder`.
     """
-    pieces = {name: respond(recursion, difference) - difference for name, difference in differences.items()}
-    pieces[remainder] += respond(
-        recursion, np.zeros_like(pieces[remainder]), histories.standing_in(recursion)
-    )
+    standing = np.reshape(histories.standing, (-1, 1))
+    pieces = {}
+    for name, difference in differences.items():
+        stood = standing if name == remainder else np.zeros_like(standing)
+        answer = error_of_command(structure, band, difference - stood) + structure.static_transfer @ stood
+        pieces[name] = answer - difference
     if np.abs(histories.late).max() > _ROUNDING * np.abs(histories.measured).max():
-        pieces[FED_BACK_FORCE] = respond(recursion, histories.late)
+        pieces[FED_BACK_FORCE] = error_of_command(structure, band, histories.late)
     return pieces
 
 
@@ -157,17 +166,22 @@ def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array]
     )
 
 
-def part_of_tracking(histories: Histories, structure: Partition, followed_command: Array) -> ErrorPart:
+def part_of_tracking(
+    histories: Histories, structure: Partition, band: AnalysisBand, followed_command: Array
+) -> ErrorPart:
     """Part of a rebuilt error that a description of the actuator accounts for.
 
     `followed_command` [m].
     Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
-    recursion = histories.recursion(structure)
-    error = histories.respond(recursion)[0] - histories.difference
-    followed_difference = histories.command - followed_command
-    piece = respond(recursion, followed_difference)[0] - followed_difference
-    return part_of(piece, error, float(np.abs(histories.measured - error).max()))
+    followed_difference = (histories.command - followed_command)[np.newaxis]
+    differences = {
+        DELAY: followed_difference,
+        NEITHER: histories.difference[np.newaxis] - followed_difference,
+    }
+    pieces = pieces_of(histories, structure, band, differences, remainder=NEITHER)
+    error = np.sum(list(pieces.values()), axis=0)[0]
+    return part_of(pieces[DELAY][0], error, float(np.abs(histories.measured - error).max()))
 
 
 def part_of(piece: Array, error: Array, ideal_peak: float) -> ErrorPart:

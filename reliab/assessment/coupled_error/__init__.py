@@ -1,1 +1,0 @@
-"""The error of a test with several actuators: each interface displacement's, with intervals and parts."""
