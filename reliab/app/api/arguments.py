@@ -26,6 +26,9 @@ _RANGED = ("scale", "mass", "hysteresis", "resolution")
 STRUCTURE_NAMES: Final = ("f", "xi", "alpha")
 """Names of what describes a structure of one mass."""
 
+STATED_BY_MODEL: Final = (*STRUCTURE_NAMES, "feedback_lag")
+"""Names of what the model of a test that is followed states."""
+
 
 def stated_quantities(question: Mapping[str, object]) -> dict[str, StatedValue]:
     """Select the quantities that a question states.

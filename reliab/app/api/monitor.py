@@ -7,6 +7,7 @@ from typing import Any, Unpack
 
 from reliab.app import questions
 from reliab.app.api.arguments import (
+    STATED_BY_MODEL,
     STRUCTURE_NAMES,
     choose_equipment,
     parse_threshold,
@@ -128,7 +129,7 @@ def read_followed_model(question: Mapping[str, Any]) -> UpdatedModel | None:
     if model is None:
         return None
     reason = "together with `model`, which states it, and whose force is fed back without delay"
-    refuse_stated(question, *STRUCTURE_NAMES, "feedback_lag", reason=reason, defaults=_DEFAULTS)
+    refuse_stated(question, *STATED_BY_MODEL, reason=reason, defaults=_DEFAULTS)
     return model
 
 

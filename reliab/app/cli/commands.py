@@ -4,6 +4,7 @@ import inspect
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from datetime import date
 from functools import partial, wraps
 from glob import glob
@@ -185,13 +186,17 @@ def _parse_date(text: str) -> date:
 
 
 def takes(
-    *questions: type, needs: Mapping[str, str] | None = None
+    *questions: type, needs: Mapping[str, str] | None = None, idle_beside: Mapping[str, str] | None = None
 ) -> Callable[[Callable[[Request], None]], Callable[..., None]]:
     """Make a command of a function; its options are the arguments of the questions, and --json.
 
-    `needs`: by option the one without which it has no effect.
+    `needs`: by option the one without which it has no effect; `idle_beside`: by option one more beside which
+    a laboratory's default of it has none.
     """
     declarations = {**collect_options(*questions), **collect_options(Json)}
+    for name, neighbour in (idle_beside or {}).items():
+        kind, option = declarations[name]
+        declarations[name] = kind, replace(option, idle_beside=(*option.idle_beside, neighbour))
     options = {name: option for name, (_, option) in declarations.items()}
 
     def declare(command: Callable[[Request], None]) -> Callable[..., None]:

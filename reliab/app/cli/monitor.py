@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 import typer
 
 from reliab.app import completion, options, questions
+from reliab.app.api.arguments import STATED_BY_MODEL
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
@@ -40,7 +41,7 @@ class _MonitorArguments(options.Check, total=False):
     export: Annotated[tuple[str, str] | None, OUTPUT.advanced("c DIR|fmu FILE|fmu3 FILE")]
 
 
-@takes(questions.MonitorQuestion, _MonitorArguments)
+@takes(questions.MonitorQuestion, _MonitorArguments, idle_beside=dict.fromkeys(STATED_BY_MODEL, "model"))
 def monitor(request: Request) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 

@@ -134,3 +134,18 @@ def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
     assert calls.keys().isdisjoint({"f", "xi", "alpha", "resolution"})
     assert run(["assess", TEST, "--config", "lab.toml", "--json", "-"]) == 0
     assert (calls["f"], calls["xi"], calls["resolution"]) == ("1±0.01", "0.02", "0.01")
+
+
+def test_a_default_of_the_structure_is_idle_beside_the_model_of_a_monitor(folder, capsys):
+    (folder / "lab.toml").write_text("[monitor]\nf = 1.2\nxi = 0.03\nfeedback-lag = 2\n", encoding="utf-8")
+    model = "format = 1\nstructure = {frequency_hz = 1.0, damping_ratio = 0.02}\n"
+    (folder / "model.toml").write_text(model, encoding="utf-8")
+    follow = ["monitor", TEST, "--model", "model.toml", "--wait", "0.1", "--every", "60", "--json", "-"]
+    answers = []
+    for defaults in ([], ["--config", "lab.toml"]):
+        assert run([*follow, *defaults]) == 0
+        answers.append(capsys.readouterr().out)
+    assert answers[0] == answers[1]
+    export = ["monitor", "--export", "c", "loop", "--model", "model.toml", "--rate", "256"]
+    assert run([*export, "--config", "lab.toml"]) == 0
+    assert run([*follow, "--config", "lab.toml", "--f", "1.2"]) == 2
