@@ -21,7 +21,7 @@ from criterion_beyond import DRAWS
 from criterion_scope import STRUCTURES, errors_on_edges, limits_of as limits_at, read_inscribed
 from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 
-from reliab.criterion.carrying import carry_to_length
+from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
 from reliab.validation.truth import SimulatedTruth
@@ -37,7 +37,7 @@ def limits_of(left_out_event, duration):
     """Limits without an earthquake, of all lengths or of one [s], (threshold, confidence, structure, 2)."""
     table = read_inscribed(THRESHOLDS)
     ellipses = table.take(side=table.coordinates["side"] == "lag", motion=table.events != left_out_event)
-    ellipses = ellipses if duration is None else carry_to_length(ellipses, duration)
+    ellipses = protect_over_lengths(ellipses) if duration is None else carry_to_length(ellipses, duration)
     return np.array([limits_at(ellipses, threshold=threshold) for threshold in THRESHOLDS])
 
 

@@ -11,6 +11,7 @@ GROUP is the beginning of a group's name, such as "length" or "region Taiwan".
 """
 
 import sys
+from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -21,6 +22,7 @@ from reliab.core.vocabulary import Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_reading import read_ellipses
+from reliab.criterion.ellipse_table import as_table
 from reliab.criterion.methods.registry import method_of
 from reliab.criterion.shipped_tables import read_shipped_ellipses
 from reliab.motions.loading import load_motions
@@ -48,9 +50,10 @@ def groups_of(ellipses):
 
 
 def limits_of(ellipses, side="lag", *, threshold=THRESHOLD, structures=STRUCTURES):
-    """Limits a and b over (confidence, structure, 2)."""
+    """Limits a and b of ellipses as they are, no length protected, over (confidence, structure, 2)."""
+    table = replace(as_table(ellipses), cut_records=None)
     derivation = Derivation.from_ellipses(
-        ellipses, method=method_of("dirichlet"), threshold=threshold, metric="rms"
+        table, method=method_of("dirichlet"), threshold=threshold, metric="rms"
     )
     criteria = [derivation.criterion(confidence, joint=True) for confidence in CONFIDENCES]
     return np.array(

@@ -4,8 +4,8 @@
 holds a campaign.toml, one after the other, and prints for each: verdict, names, which of them are expected,
 missing or false, and the error on every held-out test (RMS over that of the signal) beside that of a
 reference, a linear filter of 0.5 s that is fitted to the same training tests by least squares and knows no
-physics. FILE.json (FOLDER/table.json unless given, never part of the project) holds the last run; what has
-changed since is printed, and then the run takes its place.
+physics. FILE.json holds the last run, where one is named; what has changed since is printed, and then the run
+takes its place.
 
 TRUTH.json in the folder of a campaign, where there is one, says what an expert calls the machine::
 
@@ -175,8 +175,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--table", type=Path, help="the last run's results, which this run's replace")
     options = parser.parse_args()
-    path = options.table or options.folder / "table.json"
-    last = read_table(path)
+    last = {} if options.table is None else read_table(options.table)
     rows = dict(last)
     for file in sorted(options.folder.glob("*/campaign.toml")):
         name = file.parent.name
@@ -185,7 +184,9 @@ def main() -> None:
         for sentence in changes(last[name], rows[name]) if name in last else []:
             print(f"  since the last run: {sentence}")
         sys.stdout.flush()
-        path.write_text(json.dumps({n: asdict(row) for n, row in rows.items()}, indent=1), encoding="utf-8")
+        if options.table is not None:
+            table = json.dumps({n: asdict(row) for n, row in rows.items()}, indent=1)
+            options.table.write_text(table, encoding="utf-8")
 
 
 if __name__ == "__main__":

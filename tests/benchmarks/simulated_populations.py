@@ -36,6 +36,7 @@ from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenar
 from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import TIME_STEP
 from reliab.motions.synthetic.suite import _record
+from reliab.sweep.cut_records import add_known_cut_records, measure_cut_records
 from reliab.sweep.netcdf import read_netcdf
 from reliab.sweep.response_measures import measure_responses
 
@@ -90,7 +91,10 @@ def population(name, motions, folder, seed):
     if not path.is_file():
         numbers = range(1, motions // 2 + 1)
         suite = [motion for number in numbers for motion in simulate_earthquake(name, number, seed)]
-        measure_responses(MotionSuite.from_motions(suite), F, XI).to_netcdf(path, engine="h5netcdf")
+        motions_of_suite = MotionSuite.from_motions(suite)
+        cut_records = measure_cut_records(motions_of_suite, F, XI, 1.0)
+        measured = measure_responses(motions_of_suite, F, XI).merge(cut_records)
+        measured.to_netcdf(path, engine="h5netcdf")
     measures = xr.load_dataset(path, engine="h5netcdf")
     lengths, responses = (
         measures[name_of_measure].quantile([0.0, 0.5, 1.0]).values
@@ -105,7 +109,10 @@ def predict_ellipses(measures):
     single = {"threshold": [THRESHOLD], "metric": ["rms"], "curve": ["inscribed"], "side": ["lag"]}
     ellipses = xr.Dataset({name: THRESHOLD**2 * measures[f"{name}_first"] for name in "ab"})
     ellipses = ellipses.expand_dims(single, axis=list(range(3, 7)))
-    return ellipses.assign_attrs(window="record", experimental_fraction=1.0)
+    ellipses = ellipses.assign_attrs(window="record", experimental_fraction=1.0)
+    if "a_cut" in measures:
+        return ellipses.assign({name: measures[name] for name in ("a_cut", "b_cut")})
+    return add_known_cut_records(ellipses)
 
 
 def limits_of(ellipses):
