@@ -9,6 +9,7 @@ import argparse
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,11 @@ from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.labels import outlines_of
 from reliab.sweep.netcdf import pack, write_netcdf
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.response_measures import compare_boundaries, measure_responses
+from reliab.sweep.response_measures import measure_responses
 from reliab.sweep.results import open_results, write_compact
+from reliab.sweep.results_accessor import ResultsAccessor, contours_of
+from reliab.tracking.boundary.finite_errors import DIRECTIONS, predict_ellipse, scales_of_contour
+from reliab.tracking.boundary.first_order import FirstOrderEllipse
 from reliab.tracking.indices.window import Window
 
 HERE = Path(__file__).parent
@@ -112,6 +116,52 @@ def write_measures(measures: xr.Dataset) -> None:
         for name, values in measures.data_vars.items()
     }
     write_netcdf(measures, HERE / "first_order.nc", encoding=encoding)
+
+
+def compare_boundaries(results: xr.Dataset, measures: xr.Dataset, thresholds: Sequence[float]) -> xr.Dataset:
+    """Compare the boundaries of stored results with those that the exact responses predict.
+
+    `results`: errors RMS^R of whole records over the grid of actuators, wholly experimental; `measures`: what
+    `measure_responses` returned for the same motions and structures; `thresholds`: errors on the boundaries
+    [-]. Returns `measures` with `scale` [-] over (motion, f, xi, threshold, side), the largest multiple of a
+    and b of the predicted ellipse that lies wholly inside the boundary, and `scale_towards` [-], in addition
+    over the `direction` [degrees] in the ellipse's own angle, the multiple that reaches the boundary there.
+    """
+    accessor = ResultsAccessor(results)
+    pairs = [(threshold, side) for threshold in thresholds for side in accessor.sides]
+    sizes = [results.sizes[name] for name in ("motion", "f", "xi")]
+    scales = np.full((*sizes, len(pairs), 1 + DIRECTIONS.size), np.nan)
+    for row, column in product(range(sizes[1]), range(sizes[2])):
+        structure_place = {"f": float(results["f"][row]), "xi": float(results["xi"][column])}
+        structure, structure_measures = accessor.structure(**structure_place), measures.sel(structure_place)
+        contours = contours_of(accessor.select_structure(**structure_place)["rms"], structure, pairs)
+        for motion, motion_contours in enumerate(contours):
+            response = response_of(structure_measures.isel(motion=motion))
+            scales[motion, row, column] = [
+                scales_of_contour(contour, *predict_ellipse(response, structure, *pair))
+                for contour, pair in zip(motion_contours, pairs, strict=True)
+            ]
+    scales = scales.reshape(*sizes, len(thresholds), len(accessor.sides), -1)
+    dimensions = ("motion", "f", "xi", "threshold", "side")
+    return measures.assign(
+        {
+            "scale": (dimensions, scales[..., 0]),
+            "scale_towards": ((*dimensions, "direction"), scales[..., 1:]),
+        }
+    ).assign_coords(
+        threshold=list(thresholds),
+        side=[str(side) for side in accessor.sides],
+        direction=np.degrees(DIRECTIONS),
+    )
+
+
+def response_of(measures: xr.Dataset) -> FirstOrderEllipse:
+    """Response to one motion."""
+    names = ("a_first", "b_first", "effective_duration", "duration")
+    amplitude, delay, effective, duration = (float(measures[name]) for name in names)
+    return FirstOrderEllipse(
+        amplitude=amplitude, delay=delay, effective_duration=effective, duration=duration
+    )
 
 
 def joined(parts: Path, name: str, count: int) -> xr.Dataset:

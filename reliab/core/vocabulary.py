@@ -98,13 +98,11 @@ class CurveName(StrEnum):
     """Curves that stand for a boundary.
 
     The ellipse is the paper's, fitted by least squares (equation 9); the inscribed one is the largest
-    ellipse that lies wholly inside the boundary. Cosine and parabola are equations (7b) and (7c).
+    ellipse that lies wholly inside the boundary.
     """
 
     ELLIPSE = "ellipse"
     INSCRIBED = "inscribed"
-    COSINE = "cosine"
-    PARABOLA = "parabola"
 
 
 class NoEllipse(IntEnum):

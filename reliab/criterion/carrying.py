@@ -82,12 +82,12 @@ def carry_to_response(
     `ellipses`: ellipses of the population at RMS^R, of whole records; `measures`: `a_first`, `b_first` and
     `effective_duration` of the same motions and structures, as
     :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were compared
-    with them the multiples of :func:`reliab.sweep.response_measures.compare_boundaries`. Without these, the
-    multiples are those at which the predicted ellipse lies in the inscribed one: to the safe side.
-    `response`: the same of one motion, or of a test, at the structures asked for; `angle`: direction in the
-    predicted ellipse's own angle [rad] in which boundaries are compared, for the probability of one test; by
-    default they are compared over the whole of a region. Returns ellipses of the population's motions at the
-    response's structures, as if each had that response.
+    with them the multiples, `scale` and `scale_towards`. Without these, the multiples are those at which the
+    predicted ellipse lies in the inscribed one: to the safe side. `response`: the same of one motion, or of a
+    test, at the structures asked for; `angle`: direction in the predicted ellipse's own angle [rad] in which
+    boundaries are compared, for the probability of one test; by default they are compared over the whole of a
+    region. Returns ellipses of the population's motions at the response's structures, as if each had that
+    response.
     """
     table = as_table(ellipses)
     _require_rms(table)

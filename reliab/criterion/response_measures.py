@@ -76,7 +76,7 @@ class ResponseMeasures:
 
     @classmethod
     def from_dataset(cls, measures: "xr.Dataset") -> Self:
-        """Take the arrays of what `measure_responses` or `compare_boundaries` of `reliab.sweep` returned."""
+        """Take the arrays of what `measure_responses` returned, and multiples where there are any."""
         axes = ("motion", "f", "xi")
         scales_of = None
         if "scale" in measures:

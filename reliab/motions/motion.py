@@ -185,30 +185,6 @@ def resample(motion: Motion, rate_hz: float = 1024.0) -> Motion:
     return replace(motion, acceleration=samples, time_step=1.0 / rate_hz)
 
 
-def truncate(motion: Motion, duration: float) -> Motion:
-    """Keep the first seconds of a motion.
-
-    `duration`: longest duration to keep [s], at least one step of the record. Returns the samples up to the
-    given time; the motion itself if it is no longer than that. Raises InputError if the duration is shorter
-    than one step.
-
-    >>> record = Motion(name="ramp", acceleration=[0.0, 1.0, 2.0, 3.0], time_step=0.5)
-    >>> truncate(record, 1.2).duration
-    1.0
-    """
-    if not duration * (1 + _STEP_TOLERANCE) >= motion.time_step:
-        raise InputError(
-            "The duration is shorter than a time step of the record",
-            value=f"{duration} s against a step of {motion.time_step} s",
-            where=motion.name,
-            remedy="Give the duration in seconds",
-        )
-    if duration >= motion.duration:
-        return motion
-    steps = math.floor(duration / motion.time_step + _STEP_TOLERANCE)
-    return replace(motion, acceleration=motion.acceleration[: steps + 1])
-
-
 _CORNER = 4.0  # Hz, above which filters and time steps of two versions of a record differ
 _SAMPLING_SHARE = 0.4  # the same as a share of the sampling rate, for long steps
 _REACH = 3.0  # s, on either side of the strongest swing

@@ -6,8 +6,9 @@ actuator that is four steps late, counted from when the command is sent, one ste
 amplitude error is a gain. The first simulation has no error, the second both.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, TypeVar
 
 import numpy as np
@@ -23,7 +24,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.registry import MANY_MOTION_LAWS
-from reliab.motions.motion import Motion, resample, truncate
+from reliab.motions.motion import Motion, resample
 from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import ExactIntegrator, Integrator
@@ -113,7 +114,8 @@ def run_paper_cases(
     compensator: str = "inverse",
 ) -> list[CaseOutcome]:
     """Simulate cases under a ground motion."""
-    record = resample(truncate(motion, min(RECORD_SECONDS, motion.duration)), RATE_HZ)
+    samples = math.floor(RECORD_SECONDS / motion.time_step + 1e-9) + 1
+    record = resample(replace(motion, acceleration=motion.acceleration[:samples]), RATE_HZ)
     cases_to_run = list_printed_cases() if cases is None else cases
     return [_run(record, case, integrator, compensator) for case in cases_to_run]
 

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
 from reliab.core.arrays import Array
@@ -12,7 +14,7 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.ellipse_sample import EllipseSample, is_ellipse
 from reliab.criterion.laws.registry import MANY_MOTION_LAWS
 from reliab.tracking.boundary.contour import Contour
-from reliab.tracking.boundary.curves import Cosine, Curve, Ellipse, Parabola
+from reliab.tracking.boundary.curves import Curve, Ellipse, fit_line
 
 from .fits import quantile
 from .printed import EXAMPLE, FIVE_PERCENT, ONE_HERTZ, TWO_PERCENT
@@ -145,3 +147,35 @@ def containment(records: Records) -> pd.DataFrame:
             row[name] = float(((sample.a >= a) & (sample.b >= b)).mean())
         rows.append(row)
     return pd.DataFrame(rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cosine(Curve):
+    """Cosine d = a cos(b(A − 1)) with a [ms] and b [rad], equation (7b)."""
+
+    name: ClassVar[str] = "cosine"
+
+    @classmethod
+    def _parameters(cls, offset: Array, delay: Array) -> tuple[float, float]:
+        guess = (float(delay.max()), 0.5 * np.pi / float(np.abs(offset).max()))
+        (a, b), _ = scipy.optimize.curve_fit(lambda x, a, b: a * np.cos(b * x), offset, delay, p0=guess)
+        return float(a), float(b)
+
+    @classmethod
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
+        return np.asarray((a * np.cos(b * offset)) ** 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parabola(Curve):
+    """Parabola d = a(A − 1)² + b with a and b [ms], equation (7c)."""
+
+    name: ClassVar[str] = "parabola"
+
+    @classmethod
+    def _parameters(cls, offset: Array, delay: Array) -> tuple[float, float]:
+        return fit_line(offset**2, delay)
+
+    @classmethod
+    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
+        return np.asarray((a * offset**2 + b) ** 2)

@@ -25,7 +25,7 @@ from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_e
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, limits_of_coupling, trace_frame_ellipses
 from reliab.sweep.grid import ScaledGrid
 from reliab.sweep.request import SweepRequest
-from reliab.sweep.response_measures import compare_boundaries, measure_responses
+from reliab.sweep.response_measures import measure_responses
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
 from reliab.validation.folds import k_fold
@@ -131,9 +131,6 @@ CASES = {
         MOTIONS, FrameRequest(frame=FRAME_UNDER_TEST), progress=progress
     ),
     "measure_responses": lambda progress: measure_responses(MOTIONS, [1.0], [0.02], progress=progress),
-    "compare_boundaries": lambda progress, results: compare_boundaries(
-        results, measure_responses(MOTIONS, [1.0, 2.0], [0.02, 0.05]), [0.02], progress=progress
-    ),
     "limits_of_coupling": lambda progress: limits_of_coupling(
         read_structure(shipped("datasets", "frames/two_actuators.toml")),
         MOTIONS,

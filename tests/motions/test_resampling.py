@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from reliab.core.errors import InputError
-from reliab.motions.motion import Motion, resample, truncate
+from reliab.motions.motion import Motion, resample
 
 SAMPLES = st.lists(st.floats(-40.0, 40.0), min_size=2, max_size=50)
 
@@ -41,27 +41,11 @@ def test_resampling_a_record_of_one_hundred_hertz_reaches_its_last_sample() -> N
 
 
 def test_name_event_and_set_are_kept() -> None:
-    second = truncate(resample(motion([0.0, 1.0, 2.0], 0.1)), 0.1)
+    second = resample(motion([0.0, 1.0, 2.0], 0.1))
     assert (second.name, second.event, second.set_name) == ("a", "e", "s")
 
 
-@pytest.mark.parametrize(
-    ("duration", "samples"),
-    [(0.01, 2), (0.3, 31), (0.305, 31), (0.29999999999, 31), (0.4, 41), (9.0, 41)],
-)
-def test_truncation_keeps_samples_within_duration(duration: float, samples: int) -> None:
-    record = motion(list(range(41)), 0.01)
-    assert truncate(record, duration).acceleration.tolist() == list(range(samples))
-
-
-@pytest.mark.default_cases(9)
-@pytest.mark.parametrize(
-    ("change", "number", "rule"),
-    [
-        *((resample, rate, "sampling rate") for rate in (0.0, -1.0, np.nan, np.inf, 1.0)),
-        *((truncate, duration, "shorter than a time step") for duration in (0.0, -1.0, 0.005, np.nan)),
-    ],
-)
-def test_an_impossible_rate_or_duration_is_refused(change, number: float, rule: str) -> None:
-    with pytest.raises(InputError, match=rule):
-        change(motion([0.0, 1.0], 0.1), number)
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 1.0])
+def test_an_impossible_rate_is_refused(rate: float) -> None:
+    with pytest.raises(InputError, match="sampling rate"):
+        resample(motion([0.0, 1.0], 0.1), rate)

@@ -5,7 +5,7 @@ import pytest
 
 import reliab
 from reliab.core.errors import InputError
-from reliab.tracking.boundary.curves import Cosine
+from reliab.tracking.boundary.curves import Curve
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,11 @@ def test_a_criterion_from_predicted_ellipses_repeats_their_caution(motions, tmp_
     assert any("too generous" in warning for warning in result.provenance.warnings)
 
 
-@pytest.mark.parametrize("wrong", [{"metric": ["mte"]}, {"curves": [Cosine]}])
+class Line(Curve):
+    name = "line"
+
+
+@pytest.mark.parametrize("wrong", [{"metric": ["mte"]}, {"curves": [Line]}])
 def test_closed_form_refuses_unsupported_options(motions, wrong):
     with pytest.raises(InputError, match="closed form"):
         reliab.ellipses(motions, first_order=True, **wrong)

@@ -25,7 +25,7 @@ from reliab.sweep.results import open_results, write_compact
 from reliab.sweep.run import run_sweep
 from reliab.sweep.shares import select_share, shares_of
 from reliab.tracking.boundary.contour import Contour
-from reliab.tracking.boundary.curves import Cosine, Ellipse, InscribedEllipse
+from reliab.tracking.boundary.curves import Ellipse, InscribedEllipse
 from reliab.tracking.indices.response_error import relative_error
 
 SHARES = (0.25, 1.0)
@@ -224,8 +224,8 @@ def test_threshold_kept_at_rest_is_found(boundary):
         (Contour(amplitude=np.zeros(0), delay=np.zeros(0)), Ellipse, NoEllipse.NO_ROOM),
         (Contour(amplitude=np.linspace(0.9, 1.1, 9), delay=0.01 + np.linspace(-0.1, 0.1, 9) ** 2), Ellipse,
          NoEllipse.NOT_ELLIPTIC),
-        (Contour(amplitude=np.ones(2), delay=-np.ones(2), corners=np.array([[0.9, 1.1], [0.0, 0.0]])), Cosine,
-         NoEllipse.NOT_REACHED),
+        (Contour(amplitude=np.ones(2), delay=-np.ones(2), corners=np.array([[0.9, 1.1], [0.0, 0.0]])),
+         Ellipse, NoEllipse.NOT_REACHED),
     ],
 )  # fmt: skip
 def test_reason_for_a_missing_ellipse(contour, curve, reason):

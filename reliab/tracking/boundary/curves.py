@@ -1,11 +1,10 @@
-"""Curves fitted to a contour of equal error: ellipses, the cosine and the parabola, equations (7) to (10)."""
+"""Curves fitted to a contour of equal error: ellipses, equations (7a) to (10)."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
-import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -28,8 +27,7 @@ def fit_line(x: Array, y: Array) -> tuple[float, float]:
 class Curve(ABC):
     """A curve d(A) of two parameters, fitted to a contour with the delay in milliseconds."""
 
-    name: ClassVar[CurveName]
-    equation: ClassVar[str]
+    name: ClassVar[str]
 
     # a, b: Parameters; each curve defines their meaning and units
     a: float
@@ -91,7 +89,6 @@ class Ellipse(Curve):
     """
 
     name: ClassVar[CurveName] = CurveName.ELLIPSE
-    equation: ClassVar[str] = "(A − 1)²/a + d²/b = 1"
 
     @classmethod
     def _parameters(cls, offset: Array, delay: Array) -> tuple[float, float]:
@@ -170,37 +167,3 @@ def _largest_below(hull: Array) -> tuple[float, float]:
     a = b / fall
     best = int(np.argmax(a * b))
     return float(a[best]), float(b[best])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cosine(Curve):
-    """Cosine d = a cos(b(A − 1)) with a [ms] and b [rad], equation (7b)."""
-
-    name: ClassVar[CurveName] = CurveName.COSINE
-    equation: ClassVar[str] = "d = a cos(b(A − 1))"
-
-    @classmethod
-    def _parameters(cls, offset: Array, delay: Array) -> tuple[float, float]:
-        guess = (float(delay.max()), 0.5 * np.pi / float(np.abs(offset).max()))
-        (a, b), _ = scipy.optimize.curve_fit(lambda x, a, b: a * np.cos(b * x), offset, delay, p0=guess)
-        return float(a), float(b)
-
-    @classmethod
-    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
-        return np.asarray((a * np.cos(b * offset)) ** 2)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Parabola(Curve):
-    """Parabola d = a(A − 1)² + b with a and b [ms], equation (7c)."""
-
-    name: ClassVar[CurveName] = CurveName.PARABOLA
-    equation: ClassVar[str] = "d = a(A − 1)² + b"
-
-    @classmethod
-    def _parameters(cls, offset: Array, delay: Array) -> tuple[float, float]:
-        return fit_line(offset**2, delay)
-
-    @classmethod
-    def _delay_squared(cls, offset: Array, a: float, b: float) -> Array:
-        return np.asarray((a * offset**2 + b) ** 2)

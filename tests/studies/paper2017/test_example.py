@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from reliab_studies.paper2017.example import run_paper_example
+from reliab_studies.paper2017.records import Cosine, Parabola
 
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
@@ -46,3 +47,27 @@ def test_the_example_of_the_paper(real_motions_folder):
     contour = Contour(amplitude=results["amplitude_rms"].values, delay=results["delay_rms"].values)
     fit = Ellipse.fit(contour)
     assert (fit.a, fit.b) == (pytest.approx(1.3e-4, rel=0.05), pytest.approx(2.3, rel=0.05))
+
+
+def test_curves_fit_their_own_points():
+    amplitude = np.linspace(0.99, 1.01, 21)
+    cosine = Cosine.fit(Contour(amplitude=amplitude, delay=1.6e-3 * np.cos(118.0 * (amplitude - 1.0))))
+    assert (cosine.a, cosine.b) == (pytest.approx(1.6), pytest.approx(118.0))
+    parabola = Parabola.fit(Contour(amplitude=amplitude, delay=1e-3 * (1.6 - 1e4 * (amplitude - 1.0) ** 2)))
+    assert (parabola.a, parabola.b) == (pytest.approx(-1e4), pytest.approx(1.6))
+    np.testing.assert_allclose(parabola.delay(np.array([1.0])), 1.6e-3)
+
+
+@pytest.mark.parametrize(
+    ("curve", "delay_on"),
+    [(Cosine, lambda a, b, x: a * np.cos(b * x)), (Parabola, lambda a, b, x: a * x**2 + b)],
+)
+def test_fitting_error_is_of_squared_delays_in_milliseconds(curve, delay_on):
+    """Equation (10), with each curve's delay written out from its parameters."""
+    offset = np.linspace(-0.008, 0.008, 17)
+    delay = 1.5 * np.sqrt(1.0 - (offset / 0.01) ** 2) + 0.02 * np.cos(900.0 * offset)
+    result = curve.fit(Contour(amplitude=1.0 + offset, delay=1e-3 * delay))
+    curve_values = delay_on(result.a, result.b, offset)
+    assert result.n == 17
+    assert result.sse == pytest.approx(np.sum((curve_values**2 - delay**2) ** 2), rel=1e-9)
+    assert result.delay(1.0 + offset) == pytest.approx(1e-3 * curve_values, rel=1e-9, abs=1e-9)
