@@ -264,7 +264,7 @@ class FollowedTest:
 
     def _is_reversed(self, monitor: AnyMonitor) -> bool:
         frequency = float(monitor.structure.natural_frequencies[0])
-        periods = monitor.now.time * frequency
+        periods = (monitor.samples - 1) * monitor.time_step * frequency
         return monitor.moves and periods >= _FEWEST_PERIODS and self.sign.is_reversed(frequency)
 
     def _alarm(self, name: str, monitor: AnyMonitor, sentence: str) -> Iterator[Message]:
