@@ -89,7 +89,7 @@ def _balance(
                 for j in range(count):
                     total += early[i, j] * loads[k - 1, j] + late[i, j] * loads[k, j]
                 z_next[i] = total
-            z[:] = z_next
+            z, z_next = z_next, z
         total = 0.0
         for j in range(states):
             total += state_row[j] * z[j]
