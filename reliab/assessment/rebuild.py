@@ -33,7 +33,7 @@ in time, or a force that is fed back late looks exactly like an actuator error: 
 and the interval includes it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -58,6 +58,7 @@ from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
+_RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
 _DRAWS_OF_NOISE = 16  # that show how much of a displacement noise leaves open
 
 
@@ -97,6 +98,16 @@ class RebuiltError(DisplacementError):
     def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
         """Which unknowns widen the interval most, the widest first."""
         return self.inferred.widenings(metric)
+
+
+def _initial_size(command: Array, read: Array, starts: Sequence[Start]) -> float:
+    """Size of the error [m] with which a record in motion may begin; `command`, `read` [m], shape (p, n).
+
+    It is as much of the motion as elsewhere in the test, up to a resonance that amplifies the tracking error.
+    """
+    tracking = float(np.sqrt(np.mean((read - command) ** 2) / np.mean(command**2)))
+    amplitude = max(0.0 if start.at_rest else start.amplitude for start in starts)
+    return amplitude * min(_RESONANT * tracking, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -151,12 +162,9 @@ class Readings:
             force=None if force is None else force[np.newaxis],
             interface_matrix=carry,
             resolution=resolution or 0.0,
-        )
-        channels = replace(
-            channels,
             offset_size=np.array([start.offset_deviation for start in starts]),
+            initial_size=_initial_size(command, read, starts),
             standing=carry @ remaining,
-            initial_size=0.0 if all(start.at_rest for start in starts) else channels.initial_size,
         )
         return cls(
             command=command,

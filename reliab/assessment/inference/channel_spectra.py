@@ -7,8 +7,8 @@ import numpy as np
 import scipy
 
 from reliab.assessment.inference.band import AnalysisBand, highest_frequency
+from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.core.arrays import Array, Spectrum
-from reliab.core.compiled import compiled
 from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.signals.noise import converter_step
 from reliab.structures.partition import Partition
@@ -18,6 +18,8 @@ _SMALLEST_HOP = 4
 _TAIL = (1.25, 0.95)  # of the band's edge and of the Nyquist frequency: between them noise is read
 _FEWEST_BINS = 16
 _COLLINEAR = 1e-6  # of the largest singular value, below which a sine gives gain and curvature alike
+_MEANS = 3.0  # standard errors
+_WIDTH = 3e-3  # of the span, at which the effect of a sensor's hysteresis is taken
 _LEAST_NOISE = 1e-9  # of a channel's motion: sensors with less are taken to have that much
 
 
@@ -50,7 +52,7 @@ class ChannelSpectra:
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
     hysteresis: Spectrum  # What a sensor's hysteresis of width 1 (of its span) adds [m]
     to_interface: Array  # Interface displacements of unit displacements at the actuators [-], shape (p, p)
-    offset_size: Array  # Size of the constant part of measured minus command [m], shape (p,)
+    offset_size: Array  # Standard deviation of the offset that the readings may have [m], shape (p,)
     drift_size: Array  # Size of its rise over the test [m], shape (p,)
     initial_size: float  # Size of the error with which a record that begins in motion may begin [m]
     ground: Spectrum | None = None  # Ground acceleration [m/s²], shape (K,)
@@ -72,12 +74,16 @@ class ChannelSpectra:
         interface_matrix: Array | None = None,
         corner: float | None = None,
         resolution: float = 0.0,
+        offset_size: Array | None = None,
+        initial_size: float = 0.0,
+        standing: Array | float = 0.0,
     ) -> "ChannelSpectra":
         """Transform channels [m, m/s², N] on the record's grid, shape (p, n).
 
         `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
         [Hz], above which no noise is left to be read; `resolution`: step of the converters of the measured
-        displacements [m], where the readings do not show it.
+        displacements [m], where the readings do not show it; `offset_size`, `initial_size`, `standing`: as
+        of the class, zero by default.
         """
         frequencies, ratios, _ = partition.modes
         lowest = float(frequencies[0])
@@ -98,7 +104,7 @@ class ChannelSpectra:
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
         tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
-        offset, drift = slow_parts(command, measured_displacement, time_step)
+        drift = _rises_of_difference(command, measured_displacement, time_step)
         return cls(
             band=band,
             hop=hop,
@@ -109,15 +115,16 @@ class ChannelSpectra:
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
-            hysteresis=band.spectrum(np.stack([hysteresis_of_sensor(row) for row in measured_displacement])),
+            hysteresis=-band.spectrum(np.apply_along_axis(lag_of_reading, -1, measured_displacement, _WIDTH)),
             to_interface=np.eye(partition.degrees)
             if interface_matrix is None
             else np.asarray(interface_matrix),
-            offset_size=np.abs(offset) + _MEANS * np.sqrt(noise / command.shape[-1]),
+            offset_size=np.zeros(len(command)) if offset_size is None else offset_size,
             drift_size=np.abs(drift) + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
-            initial_size=initial_error(command, measured_displacement, time_step, lowest),
+            initial_size=initial_size,
             ground=None if ground is None else band.spectrum(ground),
             force=None if force is None else band.spectrum(force),
+            standing=standing,
         )
 
     def draw_noise(self, generator: np.random.Generator) -> Spectrum:
@@ -233,62 +240,13 @@ def _follow(
     return np.asarray(band.history(measured_displacement) @ components.T @ directions), directions
 
 
-@compiled
-def _read_with_play(values: Array, half: float) -> Array:
-    """Read a motion by a sensor with play of a half width, shape (n,)."""
-    read, answer = values[0], np.empty(values.size)
-    for place in range(values.size):
-        read = min(max(read, values[place] - half), values[place] + half)
-        answer[place] = read
-    return answer
-
-
-_WIDTH = 3e-3  # of the span, at which the effect of hysteresis is taken
-
-
-def hysteresis_of_sensor(values: Array) -> Array:
-    """Return what hysteresis of width 1 (of the span of the motion) adds to a reading [m], shape (n,)."""
-    span = float(np.ptp(values))
-    return np.asarray((_read_with_play(values, 0.5 * _WIDTH * span) - values) / _WIDTH)
-
-
-_FIRST = 8  # samples that show how a record begins
-_REST_SHARE = 2e-3  # of the largest displacement, up to which a record begins at rest
-_RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
-_MEANS = 3.0  # standard errors
-
-
-def slow_parts(command: Array, measured_displacement: Array, time_step: float) -> tuple[Array, Array]:
-    """Constant part and rise over the test [m] of measured minus command, each shape (p,).
-
-    A gain and a delay of each actuator are fitted beside them.
-    """
-    offset, drift = np.zeros(len(command)), np.zeros(len(command))
-    place = np.linspace(-0.5, 0.5, command.shape[-1])
-    for row, (command_row, read) in enumerate(zip(command, measured_displacement, strict=True)):
-        basis = np.stack([command_row, np.gradient(command_row, time_step), np.ones_like(place), place])
+def _rises_of_difference(command: Array, measured_displacement: Array, time_step: float) -> Array:
+    """Rise over the test [m] of measured minus command, beside a gain, a delay and a constant, shape (p,)."""
+    place, rises = np.linspace(-0.5, 0.5, command.shape[-1]), []
+    for row, read in zip(command, measured_displacement, strict=True):
+        basis = np.stack([row, np.gradient(row, time_step), np.ones_like(place), place])
         size = np.abs(basis).max(axis=1, keepdims=True) + np.finfo(float).tiny
         scaled_basis = basis / size
-        normal, right = scaled_basis @ scaled_basis.T, scaled_basis @ (read - command_row)
-        coefficients = np.linalg.lstsq(normal, right, rcond=1e-12)[0] / size[:, 0]
-        offset[row], drift[row] = coefficients[2], coefficients[3]
-    return offset, drift
-
-
-def initial_error(command: Array, measured_displacement: Array, time_step: float, lowest: float) -> float:
-    """Size of the error [m] with which a record may begin; zero if it begins at rest.
-
-    `lowest`: natural frequency [Hz]. The error of a command in motion is as much of it as elsewhere in the
-    test, up to a resonance that amplifies the tracking error.
-    """
-    angle = 2.0 * np.pi * lowest * time_step
-    place = np.arange(min(_FIRST, command.shape[-1]), dtype=np.float64)
-    largest = float(np.abs(command).max())
-    amplitude = 0.0
-    for row in command:
-        _, slope, begin = np.polyfit(place, row[: place.size], 2)
-        amplitude = max(amplitude, float(np.hypot(begin, slope / angle)))
-    if amplitude <= _REST_SHARE * largest:
-        return 0.0
-    tracking = float(np.sqrt(np.mean((measured_displacement - command) ** 2) / np.mean(command**2)))
-    return amplitude * min(_RESONANT * tracking, 1.0)
+        normal, right = scaled_basis @ scaled_basis.T, scaled_basis @ (read - row)
+        rises.append(float(np.linalg.lstsq(normal, right, rcond=1e-12)[0][-1] / size[-1, 0]))
+    return np.array(rises)
