@@ -13,21 +13,14 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, exact_equipment
+from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
 from reliab.assessment.conflicts import damping_from_channels
-from reliab.assessment.contradictions import (
-    contradict_columns,
-    contradict_frequency,
-    contradict_motion,
-    contradict_specimen,
-    contradict_stability,
-)
 from reliab.assessment.default_criterion import criterion_of_test
-from reliab.assessment.doubts import doubt_entries, doubt_rest, verdict_of_error
-from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
+from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
-from reliab.assessment.inference.posterior import TestPosterior, favours_frequency
+from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.own_equation import (
@@ -42,7 +35,6 @@ from reliab.assessment.recorded_ground import require_unit_of_force
 from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
-from reliab.assessment.verdict import Contradiction, word_of_probability
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -185,7 +177,10 @@ def assess(
         from reliab.assessment.frame_test import conclude_frame
 
         assessment = conclude_frame(judged)
-    return assessment.add_contradictions(*_contradict(assessment, judged))
+    judged = replace(judged, stability_margin=assessment.stability_margin)
+    if isinstance(assessment, Assessment):
+        judged = replace(judged, placement=assessment.placement)
+    return assessment.add_doubts(doubt for check in CHECKS for doubt in check(judged))
 
 
 def _shows_nonlinear_specimen(recording: Recording | CoupledRecording, question: Question) -> bool:
@@ -259,17 +254,12 @@ def _judge(
     sound = repair_recording(recording, faults)
     if isinstance(sound, Recording) and faults:
         tracking = track(sound, seed=question.seed)
-    column_doubts: tuple[Contradiction, ...] = ()
-    if isinstance(recording, Recording) and tracking is not None:
-        column_doubts = tuple(contradict_columns(recording, tracking))
     asked = question if has_damping else _broaden_damping(question)
     nonlinear = ""
     if isinstance(sound, Recording) and question.frame is None and question.linear:
         nonlinear = looks_nonlinear(sound, question.structure)
     error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
     equation = _compare_with_stated(error, sound, asked, nonlinear=nonlinear)
-    turning = examine_turning(error, recording, question)
-    verdict = doubt_entries(verdict_of_error(error, effects, equation), error)
     return JudgedError(
         recording=recording,
         sound=sound,
@@ -280,9 +270,11 @@ def _judge(
         error=error,
         effects=effects,
         equation=equation,
-        turning=turning,
-        column_doubts=column_doubts,
-        verdict=turning.limit(doubt_rest(verdict, error, sound), error.probability),
+        turning=examine_turning(error, recording, question),
+        column_doubts=()
+        if tracking is None or isinstance(recording, CoupledRecording)
+        else tuple(doubts_of_columns(recording, tracking)),
+        verdict=verdict_of_error(error),
     )
 
 
@@ -334,37 +326,6 @@ def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
         assumed=assumed,
         column_doubts=judged.column_doubts,
     )
-
-
-def _contradict(assessment: AnyAssessment, judged: JudgedError) -> Iterator[Contradiction]:
-    """Say where the recording contradicts what is stated, which limits the verdict."""
-    sound, error, question, tracking = judged.sound, judged.error, judged.question, judged.tracking
-    if isinstance(sound, Recording) and tracking is not None and question.linear:
-        doubts = contradict_frequency(sound, tracking, question.full_structure.modes[0].tolist())
-        yield from (doubt for doubt in doubts if not _accepts_frequency(error, tracking, question))
-    yield from contradict_stability(assessment.stability_margin)
-    if isinstance(assessment, Assessment):
-        yield from contradict_motion(assessment.placement)
-    yield from judged.equation.doubts
-    yield from contradict_specimen(error.specimen)
-    if judged.column_doubts and isinstance(sound, Recording) and _depends_on_columns(sound, error, question):
-        yield from judged.column_doubts
-
-
-def _accepts_frequency(
-    error: ErrorOfTest | ErrorOfSeveral, tracking: TrackingIndex, question: Question
-) -> bool:
-    """Whether the channels are no likelier with a structure that resonates where the command mainly moves."""
-    if error.inferred is None:
-        return False
-    moves = tracking.plain.equivalent_frequency
-    return not favours_frequency(error.inferred.posterior, moves / question.structure.frequency)
-
-
-def _depends_on_columns(sound: Recording, error: ErrorOfTest | ErrorOfSeveral, question: Question) -> bool:
-    """Tell whether the verdict would be another one if the columns are swapped."""
-    swapped_error = error_of_test(replace(sound, command=sound.measured, measured=sound.command), question)
-    return word_of_probability(swapped_error.probability) is not word_of_probability(error.probability)
 
 
 def _place_test(

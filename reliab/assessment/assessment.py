@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.findings import Findings
+from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.verdict import Word
 from reliab.core.significant_digits import percent, share_in_words, significant
@@ -133,7 +133,7 @@ def _warn_of_force(findings: Findings) -> Iterator[str]:
 
 def _warn_of_signal(findings: Findings) -> Iterator[str]:
     tracking = findings.tracking
-    yield from doubts_of_signal(findings.recording, tracking, findings.structure.frequency)
+    yield from warn_of_signal(findings.recording, tracking, findings.structure.frequency)
     limit = float(np.sqrt(findings.limits[0]))
     if tracking.unexplained_share > _UNEXPLAINED_SHARE * limit:
         yield (

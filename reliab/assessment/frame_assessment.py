@@ -7,14 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from reliab.assessment.contradictions import contradict_stability
-from reliab.assessment.doubts import doubts_of_signal
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import Placement
+from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force
 from reliab.assessment.scope_of_test import ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
@@ -108,12 +107,11 @@ class JudgedFrame(JudgedTest, ABC):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
-        contradictions = [*self.contradictions, *contradict_stability(self.stability_margin)]
         return (
             *(effect.fault.sentence for effect in self.faults),
             *self.error.not_judged,
             *dict.fromkeys(
-                [*self.error.ground.notes, *(contradiction.finding for contradiction in contradictions)]
+                [*self.error.ground.notes, *(contradiction.finding for contradiction in self.contradictions)]
             ),
             *self.turning.warnings(self.judgement),
             *self.responses.warnings,
@@ -202,7 +200,7 @@ class FrameAssessment(JudgedFrame):
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the recording and the loop, in sentences."""
         sentences = [*super().warnings, *doubts_of_force(self.recording)]
-        sentences += doubts_of_signal(self.recording, self.tracking, self.mode.frequency)
+        sentences += warn_of_signal(self.recording, self.tracking, self.mode.frequency)
         if self.over_frequency is None:
             sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
         return tuple(sentences)

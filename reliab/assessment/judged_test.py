@@ -15,7 +15,7 @@ from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
-from reliab.assessment.verdict import Contradiction, Verdict, Word, limit_verdict, probability_text
+from reliab.assessment.verdict import Contradiction, Doubt, Verdict, Word, probability_text
 from reliab.core.plain_values import Keys, PlainResult, html_table, same_names
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from reliab.assessment.own_motion import OwnPlacement
     from reliab.motions.motion import Motion
 
 _COLUMNS: Final = (
@@ -50,7 +51,11 @@ class JudgedError:
     equation: OwnEquation  # What the channels show of the structure
     turning: Turning  # What was not stated and would turn the verdict
     column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
-    verdict: Verdict
+    verdict: Verdict  # By the error alone
+    stability_margin: float | None = None  # None where the loop is unstable with any delay
+    placement: "OwnPlacement | None" = (
+        None  # Against the boundary of its own ground motion, where it is given
+    )
 
     @property
     def common(self) -> dict[str, Any]:
@@ -86,14 +91,17 @@ class JudgedTest(PlainResult):
     judgement: Verdict  # The verdict with its reasons
     faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
     turning: Turning  # What was not stated and would turn it
-    # Where the recording contradicts what is stated, so that the verdict is undecided at best; doubts about
-    # the columns where the verdict depends on them
-    contradictions: tuple[Contradiction, ...] = ()
+    doubts: tuple[Doubt, ...] = ()  # What leaves the verdict undecided
 
-    def add_contradictions(self, *contradictions: Contradiction) -> Self:
-        """Add where the recording contradicts what is stated, which limits the verdict."""
-        judgement = limit_verdict(self.judgement, contradictions)
-        return replace(self, contradictions=contradictions, judgement=judgement)
+    def add_doubts(self, doubts: Iterable[Doubt]) -> Self:
+        """Add what leaves the verdict undecided."""
+        found = tuple(doubts)
+        return replace(self, doubts=found, judgement=self.judgement.limit(found))
+
+    @property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Where the recording contradicts what is stated."""
+        return tuple(doubt for doubt in self.doubts if isinstance(doubt, Contradiction))
 
     @property
     def verdict(self) -> Word:

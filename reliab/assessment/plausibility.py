@@ -1,11 +1,16 @@
-"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, exchanged, unrelated."""
+"""Recordings that cannot be judged: too short or coarse, opposite signs, two units, exchanged, unrelated.
+
+Those that are nearly so are warned of.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.recorded_force import ExaminedForce, require_order, require_restoring_force
-from reliab.assessment.tracking_index import white_noise_share
+from reliab.assessment.tracking_index import TrackingIndex, white_noise_share
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
@@ -47,6 +52,9 @@ _UNIT_FACTORS = {
     12.0: "inches and the other in feet",
 }
 _UNIT_TOLERANCE = 0.1
+_FEW_PERIODS = 10.0
+_FEW_SAMPLES = 20.0  # of a period
+_NOISY = 0.05  # of the measured displacement
 
 
 def require_length(recording: Recording | CoupledRecording, frequency: float) -> None:
@@ -157,6 +165,28 @@ def _require_one_unit(ratio: float, name: str) -> None:
                     remedy="State the unit in the column's name (measured_mm), or convert the column",
                     where=name,
                 )
+
+
+def warn_of_signal(recording: Recording, tracking: TrackingIndex, frequency: float) -> Iterator[str]:
+    """Say where a recording is too short, coarse or noisy for its structure; `frequency` [Hz]."""
+    periods = recording.duration * frequency
+    if periods < _FEW_PERIODS:
+        yield (
+            f"The test is short: {significant(periods, 2)} periods of the structure. "
+            "Give the whole recording."
+        )
+    samples = 1.0 / (recording.time_step * tracking.plain.equivalent_frequency)
+    if samples < _FEW_SAMPLES:
+        yield (
+            f"The test is sampled coarsely: {significant(samples)} samples in a period. "
+            "Record at a higher rate."
+        )
+    noise = float(np.sqrt(max(tracking.noise_share**2 - tracking.unexplained_share**2, 0.0)))
+    if noise > _NOISY:
+        yield (
+            f"The test is noisy: {percent(noise, decimals=1)} of the measured displacement is unrelated "
+            "to the command. Use a sensor with less noise, or drive the specimen further."
+        )
 
 
 class RunningSign:

@@ -10,7 +10,7 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
-from reliab.assessment.verdict import CERTAIN, Verdict, Word, word_of_probability
+from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
 from reliab.assessment.yielding import (
     DUCTILITIES,
     HARDENINGS,
@@ -57,15 +57,16 @@ class Turning(PlainResult):
     # Odds of specimens that yielded or hardened so that the verdict would turn, over that of a linear one
     odds: float = np.inf
 
-    def limit(self, verdict: Verdict, probability: float = 1.0) -> Verdict:
-        """Return a verdict that is not "reliable" where specimens that yielded or hardened may change it.
+    def doubts(self, verdict: Verdict, probability: float) -> Iterator[Doubt]:
+        """Say where a reliable test may not be if its specimen yielded or hardened.
 
         `probability`: that the error stays below the threshold if the specimen is linear.
         """
         nothing_turns = self.smallest_ductility is None and self.smallest_hardening is None
         if nothing_turns or verdict.word is not Word.RELIABLE or probability / (1.0 + self.odds) >= CERTAIN:
-            return verdict
-        return verdict.add_doubts(self._specimen_sentences, [_YIELDING])
+            return
+        for sentence in self._specimen_sentences:
+            yield Doubt(finding=sentence, remedy=_YIELDING)
 
     @property
     def sentences(self) -> tuple[str, ...]:

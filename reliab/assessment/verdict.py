@@ -46,32 +46,33 @@ class Verdict:
         """Whether it is "reliable"."""
         return self.word is Word.RELIABLE
 
-    def add_doubts(self, reasons: Sequence[str], would_decide: Sequence[str]) -> "Verdict":
-        """Return the verdict as undecided for further reasons; unchanged where there are none."""
-        if not reasons:
+    def limit(self, doubts: Sequence["Doubt"]) -> "Verdict":
+        """Return the verdict as undecided where there are doubts; unchanged where there are none."""
+        bad = self.word is Word.NOT_RELIABLE
+        limiting = [doubt for doubt in doubts if doubt.of_structure or not bad]
+        if not limiting:
             return self
         return Verdict(
             word=Word.UNDECIDED,
-            reasons=(*reasons, *self.reasons),
-            would_decide=(*would_decide, *self.would_decide),
+            reasons=(*(doubt.finding for doubt in limiting), *self.reasons),
+            would_decide=(*(doubt.remedy for doubt in limiting), *self.would_decide),
         )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contradiction:
+class Doubt:
+    """What leaves the verdict on a test undecided."""
+
+    finding: str  # Why, a sentence
+    remedy: str  # What would resolve it, a sentence
+    of_structure: bool = False  # Whether the test may be of another structure: no bad one is surely bad then
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contradiction(Doubt):
     """A stated quantity that the recording contradicts."""
 
-    finding: str  # What contradicts it, a sentence
-    remedy: str  # What would resolve it, a sentence
     option: str = ""  # Under which it is stated; empty of what has none
-    of_structure: bool = False  # Whether the structure may be another one: no bad test is surely bad then
-
-
-def limit_verdict(verdict: Verdict, contradictions: Sequence[Contradiction]) -> Verdict:
-    """Return a verdict that is undecided where the recording contradicts what is stated."""
-    bad = verdict.word is Word.NOT_RELIABLE
-    doubts = [contradiction for contradiction in contradictions if contradiction.of_structure or not bad]
-    return verdict.add_doubts([doubt.finding for doubt in doubts], [doubt.remedy for doubt in doubts])
 
 
 def word_of_probability(probability: float) -> Word:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import xarray as xr
 
 from reliab import assess
 from reliab.app.cli import run
-from reliab.assessment.contradictions import contradict_specimen
+from reliab.assessment.checks import check_specimen
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, law_with_traits
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
@@ -424,7 +425,10 @@ def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> No
     assert _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
         0.0, abs=0.2e-3
     )
-    message = [contradiction.finding for contradiction in contradict_specimen(specimen)]
+    message = [
+        contradiction.finding
+        for contradiction in check_specimen(SimpleNamespace(error=SimpleNamespace(specimen=specimen)))
+    ]
     assert message == [] if lag == 0.0 else "ms later than the displacement" in message[0]
 
 

@@ -186,12 +186,12 @@ def test_only_a_reliable_verdict_is_limited_by_yielding(word):
     verdict = Verdict(word=word, reasons=("By its error.",))
     hardening = {"error_if_hardening": (0.01, 0.02)}
     turning = Turning(smallest_ductility=2.0, error_if_yielding=(0.01, 0.07), **hardening)
-    expected = Word.UNDECIDED if word is Word.RELIABLE else word
-    assert turning.limit(verdict).word is expected
-    assert replace(turning, odds=0.01).limit(verdict, 0.99) is verdict
-    assert replace(turning, odds=0.1).limit(verdict, 0.99).word is expected
-    assert Turning(error_if_yielding=(0.01, 0.02), **hardening).limit(verdict) is verdict
+    is_limited = word is Word.RELIABLE
+    assert bool(list(turning.doubts(verdict, 1.0))) is is_limited
+    assert not list(replace(turning, odds=0.01).doubts(verdict, 0.99))
+    assert bool(list(replace(turning, odds=0.1).doubts(verdict, 0.99))) is is_limited
+    assert not list(Turning(error_if_yielding=(0.01, 0.02), **hardening).doubts(verdict, 1.0))
     hardening_test = Turning(
         smallest_hardening=0.4, error_if_yielding=(0.01, 0.02), error_if_hardening=(0.02, 0.07)
     )
-    assert hardening_test.limit(verdict).word is expected
+    assert bool(list(hardening_test.doubts(verdict, 1.0))) is is_limited
