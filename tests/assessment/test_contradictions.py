@@ -1,13 +1,14 @@
 """A stated quantity that the recording contradicts leaves no test reliable."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from coupled_structures import ideal_response
 
 from reliab.assessment.assess import assess
-from reliab.assessment.checks import CHECKS, moves_at_resonance
+from reliab.assessment.checks import CHECKS, check_stability, moves_at_resonance
 from reliab.assessment.findings import Findings
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Doubt, Verdict, Word
@@ -109,6 +110,12 @@ def test_contradictions_leave_no_test_reliable(simulate, ground_motions, kind):
 def test_every_check_has_its_case():
     elsewhere = {"linearity", "rest", "matrix_entries", "faults", "force"}  # in files of their own
     assert {check.__name__.removeprefix("check_") for check in CHECKS} == elsewhere | set(CASES)
+
+
+@pytest.mark.parametrize(("margin", "is_unstable"), [(None, True), (-0.1, True), (0.1, False)])
+def test_a_loop_without_a_margin_is_unstable(margin, is_unstable):
+    doubts = list(check_stability(SimpleNamespace(stability_margin=margin)))
+    assert ["the loop is unstable" in doubt.finding for doubt in doubts] == [True] * is_unstable
 
 
 def test_a_bad_test_stays_bad_unless_its_structure_may_be_another_one():

@@ -184,10 +184,9 @@ def test_its_report_is_written(recording_file, tmp_path):
     assert report.read_bytes().startswith(b"%PDF")
 
 
-def test_a_loop_beyond_its_critical_delay_leaves_no_test_reliable(assessment):
+def test_a_loop_beyond_its_critical_delay_has_no_margin(assessment):
     late = replace(assessment, limit=replace(assessment.limit, delay=0.5 * assessment.longest_delay))
     assert late.stability_margin == pytest.approx(-1.0)
-    assert any("the loop is unstable" in words for words in late.warnings)
 
 
 def test_answers_for_one_actuator_refuse_several(recording_file):

@@ -72,7 +72,6 @@ class ChannelSpectra:
         ground: Array | None = None,
         force: Array | None = None,
         interface_matrix: Array | None = None,
-        corner: float | None = None,
         resolution: float = 0.0,
         offset_size: Array | None = None,
         initial_size: float = 0.0,
@@ -80,8 +79,7 @@ class ChannelSpectra:
     ) -> "ChannelSpectra":
         """Transform channels [m, m/s², N] on the record's grid, shape (p, n).
 
-        `interface_matrix`: the identity by default; `corner`: of the lowest filter of the measured channels
-        [Hz], above which no noise is left to be read; `resolution`: step of the converters of the measured
+        `interface_matrix`: the identity by default; `resolution`: step of the converters of the measured
         displacements [m], where the readings do not show it; `offset_size`, `initial_size`, `standing`: as
         of the class, zero by default.
         """
@@ -97,14 +95,14 @@ class ChannelSpectra:
         hop = max(2 * round(0.5 * _BLOCK / (lowest * band.time_step)), _SMALLEST_HOP)
         noise = np.array(
             [
-                max(white_noise(row, time_step, band.flat, corner), rounding_noise(row, resolution))
+                max(white_noise(row, time_step, band.flat), rounding_noise(row, resolution))
                 for row in measured_displacement
             ]
         )
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
         tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
-        drift = _rises_of_difference(command, measured_displacement, time_step)
+        drift = np.abs(_rises_of_difference(command, measured_displacement, time_step))
         return cls(
             band=band,
             hop=hop,
@@ -116,11 +114,9 @@ class ChannelSpectra:
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
             hysteresis=-band.spectrum(np.apply_along_axis(lag_of_reading, -1, measured_displacement, _WIDTH)),
-            to_interface=np.eye(partition.degrees)
-            if interface_matrix is None
-            else np.asarray(interface_matrix),
+            to_interface=np.eye(len(command)) if interface_matrix is None else interface_matrix,
             offset_size=np.zeros(len(command)) if offset_size is None else offset_size,
-            drift_size=np.abs(drift) + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
+            drift_size=drift + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
             initial_size=initial_size,
             ground=None if ground is None else band.spectrum(ground),
             force=None if force is None else band.spectrum(force),
@@ -157,15 +153,12 @@ class ChannelSpectra:
         return np.stack(rows)
 
 
-def white_noise(values: Array, time_step: float, edge: float, corner: float | None) -> float:
-    """Variance of a sample of white noise, read above the motion.
-
-    `edge`: frequency [Hz] above which there is no motion; `corner`: as of `ChannelSpectra.from_channels`.
-    """
+def white_noise(values: Array, time_step: float, edge: float) -> float:
+    """Variance of a sample of white noise, read above the frequency [Hz] above which there is no motion."""
     taper = np.hanning(values.size)
     power = np.abs(scipy.fft.rfft((values - values.mean()) * taper)) ** 2 / np.sum(taper**2)
     nyquist = 0.5 / time_step
-    begin, end = _TAIL[0] * edge, min(_TAIL[1] * nyquist, corner or np.inf)
+    begin, end = _TAIL[0] * edge, _TAIL[1] * nyquist
     frequency = np.arange(power.size) / (values.size * time_step)
     tail = power[(frequency > begin) & (frequency < end)]
     if tail.size < _FEWEST_BINS:
