@@ -5,6 +5,7 @@ import pytest
 
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
+from reliab.discrepancy.fitting import left_out
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import Search
@@ -45,3 +46,26 @@ def test_limit_of_one_test_is_not_judged_without_it(models: Search):
     assert error.relative[3] > 100.0 * error.relative[:3].max()
     assert error.is_at_most(1.02, models.error(models.null))
     assert models.error(models.null).foretold.all()
+
+
+@pytest.mark.parametrize(("foreseen", "left"), [(3.9, 4.0), (2.0, 1.0)])
+def test_model_is_fitted_in_full_where_a_step_leaves_more_than_foreseen(
+    models: Search, monkeypatch: pytest.MonkeyPatch, foreseen: float, left: float
+):
+    """A step leaves 4 of each test, and a whole fit without it 1."""
+    size = models.null.space.size
+    monkeypatch.setattr(left_out, "refit", lambda *_: np.zeros(size))
+    monkeypatch.setattr(left_out, "_refit_fully", lambda *_: np.ones(size))
+    monkeypatch.setattr(left_out, "_foreseen_energy", lambda *_: foreseen)
+    monkeypatch.setattr(left_out, "_residual_energy", lambda _p, _s, x, _segments: 1.0 if x.all() else 4.0)
+    assert left_out.leave_out(models.problem, models.null).energies.tolist() == [left] * len(AMPLITUDES)
+
+
+def test_derivatives_foresee_what_a_linear_model_leaves(models: Search):
+    """Gain and delay by a little: the energy is that of the residual, which is nearly linear in them."""
+    problem, fit = models.problem, models.null
+    rows = problem.owners == 1
+    coordinates = fit.coordinates + 1e-3
+    foreseen = left_out._foreseen_energy(problem, fit, rows, coordinates)  # noqa: SLF001 - what is tested
+    energy = left_out._residual_energy(problem, fit.space, coordinates, problem.segments[1:2])  # noqa: SLF001
+    assert foreseen == pytest.approx(energy, rel=0.01)
