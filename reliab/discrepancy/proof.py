@@ -68,6 +68,11 @@ def gap(
     )
     samples = _energies(proof, {test: np.ones(block.tests[test].size) for test in signals})
     unit = max(sum(signals.values()), _NOTHING) / sum(samples.values())
+    # Of noise that is white over all frequencies a narrow block has this share
+    share = block.highest / (0.5 * block.rate) if block.is_narrow else 1.0
+    floor_sizes = {
+        str(source): float(np.sqrt(share * square / unit)) for source, square in noise_floors.items()
+    }
     tests = tuple(
         HeldOutTest(
             file=block.tests[test].file,
@@ -83,7 +88,7 @@ def gap(
         channel=str(block.channel),
         before=compute_nrmse(proof, residuals_before),
         after=compute_nrmse(proof, residuals_after),
-        floors={str(source): float(np.sqrt(square / unit)) for source, square in noise_floors.items()},
+        floors=floor_sizes,
         tests=tests,
     )
 

@@ -1,14 +1,16 @@
 """The floor of a channel follows from the recordings alone, by whatever they offer, and is null otherwise."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy import signal
 
 from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
-from reliab.discrepancy.proof import Source, floors
+from reliab.discrepancy.proof import Source, floors, gap
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
+from reliab.discrepancy.segment import Segment
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -38,6 +40,20 @@ def floors_of(*tests):
 
 def test_white_noise_is_read_off_the_band_above_the_motion():
     assert floors_of(record_test(waves(1), 1))[Source.BAND_ABOVE] == pytest.approx(NOISE, rel=0.05)
+
+
+@pytest.mark.parametrize("is_narrow", [True, False])
+def test_floor_is_the_noise_at_the_frequencies_that_count(is_narrow):
+    test = record_test(waves(1), 1)
+    block = SimpleNamespace(
+        tests=[test], channel=Channel.MEASURED, inputs=(Channel.COMMAND,), rate=RATE, highest=45.0,
+        highest_signal=45.0, is_narrow=is_narrow, measured=lambda _test: test.channels[Channel.MEASURED],
+    )  # fmt: skip
+    segment = Segment(test=0, begin=0, end=TIME.size, rate=RATE, highest=45.0)
+    command = test.channels[Channel.COMMAND]
+    left = {0: test.channels[Channel.MEASURED] - command - 0.1 * command**3}
+    found = gap(SimpleNamespace(block=block, segments=(segment,)), left, left)
+    assert found.floors[Source.BAND_ABOVE] == pytest.approx(found.after, rel=0.05)
 
 
 def test_coloured_noise_is_not_known_from_the_band_above():

@@ -7,33 +7,44 @@ import numpy as np
 import pytest
 
 from reliab.core.vocabulary import Block
+from reliab.discrepancy.blocks.balance import NumericalBlock
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.naming import unexplained
+from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
+from reliab.discrepancy.segment import Segment
 from reliab.effects.cubic_stiffness import CubicStiffness
 
-GAP = SimpleNamespace(floor=None, after=0.16, model_error=0.16)
 MODEL = SimpleNamespace(space=SimpleNamespace(effects=(CubicStiffness,)), coordinates=None)
+RATE, HIGHEST = 200.0, 45.0
 
 
-def problem(block, error):
-    """A problem in which a model leaves an error over the signal at the judged frequencies."""
-    signal = np.array([0.0, 3.0, 4.0])
+def block_of(*, is_narrow):
     return SimpleNamespace(
-        block=SimpleNamespace(block=block, channel=Channel.FORCE, rate=100.0),
-        segments=[SimpleNamespace(test=0, spectrum=lambda values: values)],
-        measured=lambda _test: signal,
-        whiten=lambda *_: error * np.sqrt(2.0) * signal,
+        block=Block.NUMERICAL,
+        channel=Channel.FORCE,
+        rate=RATE,
+        is_narrow=is_narrow,
+        measured=lambda _test: np.sin(2.0 * np.pi * np.arange(400) / RATE),
     )
 
 
+@pytest.mark.parametrize(("is_narrow", "error"), [(True, 0.0), (False, 0.5)])
+def test_rough_derivatives_of_a_command_are_no_error_of_a_model(is_narrow, error):
+    """A force that balances a command counts at the frequencies at which models are judged."""
+    segment = Segment(test=0, begin=0, end=400, rate=RATE, highest=HIGHEST)
+    proof = SimpleNamespace(block=block_of(is_narrow=is_narrow), segments=(segment,))
+    above = 0.5 * np.sin(2.0 * np.pi * 60.0 * np.arange(400) / RATE)
+    assert compute_nrmse(proof, {0: above}) == pytest.approx(error, abs=1e-9)
+    assert NumericalBlock.is_narrow
+
+
 @pytest.mark.parametrize(
-    ("block", "error", "large"),
-    [(Block.NUMERICAL, 0.01, False), (Block.NUMERICAL, 0.15, True), (Block.SPECIMEN, 0.01, True)],
+    ("is_narrow", "error", "large"), [(True, 0.05, False), (False, 0.05, True), (True, 0.15, True)]
 )
-def test_a_rough_command_is_no_missing_effect(block, error, large):
-    result = unexplained._is_large(problem(block, error), MODEL, GAP)  # noqa: SLF001 - what is tested
-    assert result is large
+def test_floor_of_all_frequencies_is_none_of_a_narrow_block(is_narrow, error, large):
+    gap = SimpleNamespace(floor=0.01, after=error, model_error=error)
+    assert unexplained._is_large(block_of(is_narrow=is_narrow), gap) is large  # noqa: SLF001 - what is tested
 
 
 def gap_of(error, *, noise_like=()):
@@ -57,7 +68,7 @@ def test_named_leaves_a_fifth_of_the_worst_kind_of_test_at_most(monkeypatch, err
         gap,
         tests=tuple(replace(test, before=size * test.before, after=size * test.after) for test in gap.tests),
     )
-    verdict = problem(Block.NUMERICAL, 0.0), MODEL
+    verdict = SimpleNamespace(block=block_of(is_narrow=True)), MODEL
     for remaining in (None, ()):
         result = unexplained.find_unexplained(
             verdict, MODEL, (), gap, remaining, is_named=True, comparison=""

@@ -131,9 +131,8 @@ def test_three_times_the_noise_is_something_missing(times, missing):
         floors={"rest": 0.005},
         tests=(HeldOutTest(file="a.csv", before=0.005 * times, after=0.005 * times),),
     )
-    problem = SimpleNamespace(block=SimpleNamespace(block=Block.SPECIMEN, channel="force_n"))
-    model = SimpleNamespace(space=SimpleNamespace(effects=()))
-    assert unexplained._is_large(problem, model, gap) is missing  # noqa: SLF001 - what is tested
+    block = SimpleNamespace(is_narrow=False)
+    assert unexplained._is_large(block, gap) is missing  # noqa: SLF001 - what is tested
 
 
 def a_gap(**errors):

@@ -64,6 +64,7 @@ class NumericalBlock(SuperposedBlock[BalanceTerm]):
     block = Block.NUMERICAL
     channel = Channel.FORCE
     inputs = (Channel.GROUND, Channel.COMMAND)
+    is_narrow = True
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
         super().__init__(campaign, scales)
@@ -107,11 +108,6 @@ class BalanceBlock(NumericalBlock):
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
         return self._highest_judged
-
-    @property
-    def is_narrow(self) -> bool:
-        """Whether the command explains the force up to some frequency only."""
-        return self._highest_judged < self.highest_signal
 
     @property
     def answer_time(self) -> float:

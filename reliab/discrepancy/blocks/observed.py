@@ -49,6 +49,9 @@ class ObservedBlock(ABC):
     twins: ClassVar[Mapping[type[Effect], tuple[type[Effect], ...]]] = MappingProxyType({})
     # Effects that make the best linear model of the block, with its calibrations
     linear: ClassVar[tuple[type[Effect], ...]] = ()
+    # Whether the channel is computed from derivatives, so that it says nothing of models above the
+    # frequencies at which they are judged
+    is_narrow: ClassVar[bool] = False
     # Motion of the piston in every test as far as it is known without a model, to locate the remaining error
     motions: tuple[Motion3, ...]
 
@@ -75,11 +78,6 @@ class ObservedBlock(ABC):
     def highest(self) -> float:
         """Highest frequency at which models are judged [Hz]."""
         return self.highest_signal
-
-    @property
-    def is_narrow(self) -> bool:
-        """Whether the channel says nothing of models above the frequencies at which they are judged."""
-        return False
 
     def highest_of(self, test: int) -> float:
         """Return the highest frequency at which models are judged in a test [Hz]."""

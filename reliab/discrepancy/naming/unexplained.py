@@ -9,16 +9,16 @@ from scipy import fft
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import Block
+from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.locate import Finding
 from reliab.discrepancy.result.gap import FLOOR_EXCESS, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
-from reliab.discrepancy.segment import energy_of
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.periodic import Disturbance
-from reliab.signals.noise import NoiseModel, near_mains
+from reliab.signals.noise import near_mains
 from reliab.signals.spectra import detrend, hann
 
 LARGEST_REMAINDER = 0.2
@@ -63,7 +63,7 @@ def find_unexplained(
     dropout, terms = standstill(problem, fit), _terms(general_terms, best) if general_terms else None
     explanation = dropout or terms or line_above(problem, fit)
     if explanation is None:
-        large = remaining is not None and _is_large(problem, best, proof_gap)
+        large = remaining is not None and _is_large(problem.block, proof_gap)
         if explains_enough(proof_gap) if is_named else not large:
             return None
         explanation = "", f"the remainder follows the motion: {comparison}{_looks(remaining or ())}"
@@ -84,18 +84,13 @@ def explains_enough(proof_gap: Gap) -> bool:
     return share is None or share <= LARGEST_REMAINDER
 
 
-def _is_large(problem: Problem, best: Fit, proof_gap: Gap) -> bool:
+def _is_large(block: ObservedBlock, proof_gap: Gap) -> bool:
     """Whether the error of a model is large beside the signal, or beside the noise floor.
 
-    The force that balances a command is computed from derivatives of the command. Where these are rough, at
-    frequencies above those that are judged, the error is one of this computation.
+    The derivatives from which a narrow block computes its channel have noise of their own, above that floor.
     """
-    if _is_balanced(problem):
-        rows = problem.whiten(best.space, best.coordinates, NoiseModel.white(problem.block.rate, 1.0))
-        signal = sum(energy_of(s.spectrum(problem.measured(s.test))) for s in problem.segments)
-        if not rows @ rows > SMALLEST_GAP**2 * max(signal, 1e-300):
-            return False
-    exceeds_floor = proof_gap.floor is not None and proof_gap.after > FLOOR_EXCESS * proof_gap.floor
+    floor = None if block.is_narrow else proof_gap.floor
+    exceeds_floor = floor is not None and proof_gap.after > FLOOR_EXCESS * floor
     return proof_gap.model_error > SMALLEST_GAP or exceeds_floor
 
 
@@ -105,11 +100,6 @@ def _looks(remaining: Sequence[Finding]) -> str:
     if not telling:
         return ""
     return f"; {percent(telling[0].share_of_residual, decimals=0)} of it: {telling[0].detail.rstrip('.')}"
-
-
-def _is_balanced(problem: Problem) -> bool:
-    """Whether the channel is the force that the numerical substructure would balance."""
-    return problem.block.block is Block.NUMERICAL and problem.block.channel is Channel.FORCE
 
 
 def _terms(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, str]:
@@ -195,7 +185,7 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     that the numerical substructure would balance is no prediction of the load cell: it is computed back from
     the command, which a controller with steps of its own holds, too.
     """
-    if _is_balanced(problem):
+    if problem.block.is_narrow:
         return None
     lengths: list[int] = []
     event_energy = total_energy = 0.0
