@@ -15,6 +15,7 @@ from reliab.effects.viscous_damping import ViscousDamping
 
 _LARGEST_PART = 0.1  # of the yield displacement, or of the time in which the second dashpot gives way
 _MOST_PARTS = 100
+_YIELDS = 1e-4  # of the elastic stiffness, below which a step is followed no further
 _LARGEST_FORCE = 20.0  # of the yield force
 
 
@@ -37,7 +38,9 @@ def _force(motion: Numbers, _time: float, step: float, coefficients: Numbers, st
         relative = velocity - (force * middle + inner * velocity) / (inner + outer)
         sign = 1.0 if relative * middle >= 0.0 else -1.0
         rise = part * relative / width * (1.0 - abs(middle) ** exponent * (sign * beta + gamma))
-        z = min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
+        before, z = z, min(max(z + rise, -_LARGEST_FORCE), _LARGEST_FORCE)
+        if abs(z - before) < _YIELDS * part / width * abs(velocity):
+            break
     state[0], state[1], state[2] = 1.0, motion[0], z
     return outer * (force * z + inner * motion[1]) / (inner + outer)
 
