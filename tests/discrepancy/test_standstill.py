@@ -68,7 +68,7 @@ def test_expected_signal_above_the_band_is_no_movement():
     jagged_reading = 20.0 * step * np.sin(2.0 * np.pi * 150.0 * TIME)
     problem = SimpleNamespace(
         residuals=lambda *_: {0: read - slow - jagged_reading},
-        block=SimpleNamespace(block=None, measured=lambda _: read, rate=RATE, highest=45.0),
+        block=SimpleNamespace(is_narrow=False, measured=lambda _: read, rate=RATE, highest=45.0),
         steps={0: step},
     )
     assert standstill(problem, SimpleNamespace(space=None, coordinates=None)) is None

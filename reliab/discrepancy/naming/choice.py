@@ -10,6 +10,7 @@ from reliab.core.significant_digits import percent
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut, errors_of_parts
+from reliab.discrepancy.fitting.noise_test import is_noise
 from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.search import Search
@@ -165,14 +166,15 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
         best = _place_effects(search, best, proof)
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
-    contradicted_model = rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
     unchanging: list[tuple[type[Effect], float, float]] = []
     while (idle := _idle(search, rows, best, proof, slack * least)) is not None:
         kind, smaller = idle
-        if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
+        is_idle = smaller.held_out <= slack * least
+        if is_idle and (kind not in search.problem.block.linear or not isinstance(search, ErrorSearch)):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
     best, sure, doubtful = _split_by_certainty(search, rows, best)
+    contradicted_model = rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
     refining, weak = _weigh(search, rows, best, proof)
     return Choice(
         best=best,
@@ -275,7 +277,11 @@ def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
 def _idle(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
 ) -> tuple[type[Effect], RankedModel] | None:
-    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
+    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit.
+
+    Where no model is exact, a term outside the library that is hardly better than an effect of the library
+    which it makes idle is taken off in the place of that.
+    """
     smaller = {
         kind: _remove_effect(search, rows, best, kind, proof)
         for kind in best.fit.space.effects
@@ -286,74 +292,93 @@ def _idle(
         for kind, row in smaller.items()
         if row.held_out <= limit and not _is_silent(search, best, row, proof)
     }
-    return min(idle.items(), key=lambda item: item[1].held_out) if idle else None
+    if not idle:
+        return None
+    first = min(idle, key=lambda kind: idle[kind].held_out)
+    linear = search.problem.block.linear
+    if isinstance(search, ErrorSearch) and not (is_general(first) or first in linear):
+        terms = [
+            kind
+            for kind in filter(is_general, smaller)
+            if (1.0 - _GENERAL) * smaller[kind].held_out <= idle[first].held_out
+        ]
+        first = min(terms, key=lambda kind: smaller[kind].held_out, default=first)
+    return first, smaller[first]
 
 
 def _weigh(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> tuple[dict[type[Effect], float], set[type[Effect]]]:
-    """Find effects that only refine a model whose error follows the motion, and a main one that is in doubt.
+    """Find effects that only refine a model that leaves no noise, and a main one that is in doubt.
 
-    Nearly any effect explains some of such an error. One has a name only if it is in most models by their
-    probability, and takes off more of the energy than the effects that have a name leave together: beside
-    other effects in its place, too, and without those that only refine. The main one does so by itself, or
-    something of its kind acts. An effect that matters beside a term outside the library alone makes up for
-    the shape of that term.
+    Nearly any effect explains some of an error that follows the motion. One has a name only if it is in most
+    models by their probability, and takes off more of the energy than the effects that have a name leave
+    together, on left-out parts as on held-out tests: beside other effects in its place, too, and without
+    those that only refine. The main one does so by itself, or something of its kind acts; that one of both
+    shows it is enough, because a limit acts in the strongest tests alone. An effect that matters beside a
+    term outside the library alone makes up for the shape of that term.
     """
-    kinds = best.fit.space.effects
-    if not isinstance(search, ErrorSearch) or not kinds:
+    kinds = [kind for kind in best.fit.space.effects if kind not in (ClockOffset, StatedDamping)]
+    is_inexact = isinstance(search, ErrorSearch) or not is_noise(search.problem, best.fit)
+    if not (kinds and is_inexact):
         return {}, set()
-    errors_without = {kind: _remove_effect(search, rows, best, kind, proof).held_out for kind in kinds}
+    smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}
     likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
-    main = max(kinds, key=lambda kind: (not is_general(kind), likely[kind], errors_without[kind]))
+    plain = _without_terms(search, rows, best, proof)
+    plainer = smaller
+    if plain is not best:
+        plainer = {kind: _remove_effect(search, rows, plain, kind, proof) for kind in kinds}
+    main = max(kinds, key=lambda kind: (not is_general(kind), likely[kind], plainer[kind].held_out))
     named, model = [*kinds], best
-    for kind in _complements(search, rows, best, proof) - {main}:
-        named.remove(kind)
-        model = _remove_effect(search, rows, model, kind, proof)
+    for kind in (kind for kind in kinds if kind is not main and not is_general(kind)):
+        if plain is not best and plainer[kind].held_out <= (1.0 + NO_CHANGE) * plain.held_out:
+            named.remove(kind)
+            model = _remove_effect(search, rows, model, kind, proof)
     while len(named) > 1:
         others = [kind for kind in named if kind is not main]
-        rivals = {kind: _error_of_rivals(search, rows, model, kind, proof) for kind in others}
-        least = min(rivals, key=lambda kind: (likely[kind], rivals[kind]))
-        if likely[least] and explains_more_than_left(rivals[least], model.held_out):
+        ratios = {
+            kind: min(
+                min(_energy_ratios(rival, model)) for rival in _rivals(search, rows, model, kind, proof)
+            )
+            for kind in others
+        }
+        least = min(ratios, key=lambda kind: (likely[kind], ratios[kind]))
+        if likely[least] and ratios[least] >= _MORE_THAN_LEFT:
             break
         named.remove(least)
         model = _remove_effect(search, rows, model, least, proof)
-    without_main = _remove_effect(search, rows, model, main, proof).held_out
-    weak = set() if explains_more_than_left(without_main, model.held_out) else {main}
-    return {kind: error for kind, error in errors_without.items() if kind not in named}, weak
+    without_main = _remove_effect(search, rows, model, main, proof)
+    weak = set() if max(_energy_ratios(without_main, model)) >= _MORE_THAN_LEFT else {main}
+    return {kind: row.held_out for kind, row in smaller.items() if kind not in named}, weak
 
 
-def _complements(
+def _without_terms(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
-) -> set[type[Effect]]:
-    """Find effects of the library that change nothing without the terms beside them that are outside it."""
-    plain, library = best, {kind for kind in best.fit.space.effects if not is_general(kind)}
-    for term in set(best.fit.space.effects) - library:
-        plain = _remove_effect(search, rows, plain, term, proof)
-    if plain is best:
-        return set()
-    most = (1.0 + NO_CHANGE) * plain.held_out
-    return {
-        kind
-        for kind in library
-        if kind not in plain.fit.space.effects
-        or _remove_effect(search, rows, plain, kind, proof).held_out <= most
-    }
+) -> RankedModel:
+    """Return the best model without its terms outside the library; itself if it has none."""
+    for kind in filter(is_general, best.fit.space.effects):
+        best = _remove_effect(search, rows, best, kind, proof)
+    return best
 
 
-def _error_of_rivals(
+def _rivals(
     search: Search, rows: Sequence[RankedModel], model: RankedModel, kind: type[Effect], proof: Problem
-) -> float:
-    """Smallest error on held-out tests of models that lack an effect of another one and have no more."""
+) -> list[RankedModel]:
+    """Models that lack an effect of another one and have no more."""
     linear = set(search.problem.block.linear)
     most = len(set(model.fit.space.effects) - linear)
-    rivals = (
-        row.held_out
+    rivals = [
+        row
         for row in rows
         if len(set(row.fit.space.effects) - linear) <= most
         and not any(_kinds(kind) & _kinds(effect) for effect in row.fit.space.effects)
-    )
-    return min(_remove_effect(search, rows, model, kind, proof).held_out, *rivals)
+    ]
+    return [_remove_effect(search, rows, model, kind, proof), *rivals]
+
+
+def _energy_ratios(rival: RankedModel, model: RankedModel) -> tuple[float, float]:
+    """Energy that a rival leaves over that which a model leaves, of left-out parts and of held-out tests."""
+    return (rival.left_out / model.left_out) ** 2, (rival.held_out / model.held_out) ** 2
 
 
 def explains_more_than_left(error_without: float, error_with: float) -> bool:
