@@ -238,12 +238,13 @@ def open_compact(path: Path) -> xr.Dataset:
     """
     dataset = read_netcdf(path, _READABLE, _CHECK_PATH)
     require_readable(dataset.attrs, path)
+    if STEP in dataset.attrs:  # one for both errors, whose differences had signs
+        raise InputError(
+            _READABLE, value="a file of version 0.2", remedy="Fetch or make it again", where=str(path)
+        )
     with decoding(_READABLE, remedy=_CHECK_PATH, where=path):
-        common_step = float(dataset.attrs.pop(STEP, 0.0))  # one step of both, in files of earlier versions
         for metric in Metric:
-            if common_step:
-                dataset[metric] = _decode_signed(dataset[metric], common_step)
-            elif STEP in dataset[metric].attrs:
+            if STEP in dataset[metric].attrs:
                 dataset[metric] = _zero_smallest(restore_steps(dataset[metric]), dataset[metric].attrs[STEP])
         if Dimension.SHARE not in dataset.dims:
             dataset.attrs[SHARE_ATTRIBUTE] = float(dataset.attrs[SHARE_ATTRIBUTE])
@@ -254,11 +255,3 @@ def _zero_smallest(errors: xr.DataArray, step: float) -> xr.DataArray:
     """Read the smallest errors as zero."""
     smallest = np.exp(step * (round(np.log(_SMALLEST_ERROR) / step) + 0.5))
     return errors.where(errors > smallest, np.float32(0.0))
-
-
-def _decode_signed(steps: xr.DataArray, step: float) -> xr.DataArray:
-    """Read errors as version 0.2 wrote them: signed differences along gain and delay."""
-    integers = steps.values.astype(np.int64)
-    for name in (Dimension.GAIN, Dimension.DELAY):
-        integers = np.cumsum(integers, axis=steps.get_axis_num(name))
-    return _zero_smallest(steps.copy(data=np.exp(step * integers).astype(np.float32)), step)

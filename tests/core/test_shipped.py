@@ -68,7 +68,7 @@ def test_nothing_else_is_fetched(installation, tmp_path, wrong, capsys):
     source = "http://example.org/results.nc" if wrong == "scheme" else str(file)
     assert cli.run(["fetch", source]) == 2
     assert not list((installation / "data").rglob("*.nc"))
-    words = {"content": "checksum", "name": "by its name", "scheme": "https only", "missing": "readable"}
+    words = {"content": "checksum", "name": "of this name", "scheme": "https only", "missing": "Cannot fetch"}
     assert words[wrong] in capsys.readouterr().err
 
 
