@@ -1,6 +1,7 @@
 """The sampled posterior agrees with what can be computed otherwise."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -177,6 +178,19 @@ def test_beyond_a_bound_nothing_is_probable_nor_simulated(damping_posterior):
     excess = np.linalg.solve(surface.axes, [0.0, 0.0, 1e9])[np.newaxis]
     assert surface.log_density(excess) == surface.simulate_density(None, None, excess) == -np.inf
     assert agreement_of(problem, model_fit, surface, 0.01 * np.ones((8, 3))) > 0.99
+
+
+def test_constant_error_of_a_sketch_moves_no_parameter(damping_posterior):
+    """Five times the noise at every frequency, of a model that is linear in its parameters."""
+    problem, model_fit, _ = damping_posterior
+    sketch = SimpleNamespace(whiten=lambda *arguments: problem.whiten(*arguments) + 5.0)
+    surface = LikelihoodSurface.around(problem, model_fit)
+    draws = np.random.default_rng(3).standard_normal((8, model_fit.space.size))
+    np.testing.assert_allclose(
+        surface.simulate_density(sketch, model_fit, draws),
+        surface.simulate_density(problem, model_fit, draws),
+        rtol=1e-9,
+    )
 
 
 def test_too_few_draws_have_not_converged(damping_posterior):
