@@ -6,8 +6,10 @@ from functools import wraps
 import pytest
 
 import reliab
+from reliab.app.api import monitor
 from reliab.app.cli import _commands, run
 from reliab.app.cli.defaults import COMMAND_LINE_ONLY, user_file
+from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 
 TEST = str(shipped("datasets", "sample_test/test.csv"))
@@ -136,16 +138,20 @@ def test_a_default_of_the_structure_is_idle_beside_a_frame(folder, monkeypatch):
     assert (calls["f"], calls["xi"], calls["resolution"]) == ("1±0.01", "0.02", "0.01")
 
 
-def test_a_default_of_the_structure_is_idle_beside_the_model_of_a_monitor(folder, capsys):
+@pytest.mark.parametrize("service", ["follow_test", "export_monitor"])
+def test_a_default_of_the_structure_is_idle_beside_the_model_of_a_monitor(folder, monkeypatch, service):
+    calls = {}
+
+    @wraps(getattr(monitor, service))
+    def answer(**values):
+        calls.update(values)
+        raise InputError("asked")
+
+    monkeypatch.setattr(monitor, service, answer)
     (folder / "lab.toml").write_text("[monitor]\nf = 1.2\nxi = 0.03\nfeedback-lag = 2\n", encoding="utf-8")
-    model = "format = 1\nstructure = {frequency_hz = 1.0, damping_ratio = 0.02}\n"
-    (folder / "model.toml").write_text(model, encoding="utf-8")
-    follow = ["monitor", TEST, "--model", "model.toml", "--wait", "0.1", "--every", "60", "--json", "-"]
-    answers = []
-    for defaults in ([], ["--config", "lab.toml"]):
-        assert run([*follow, *defaults]) == 0
-        answers.append(capsys.readouterr().out)
-    assert answers[0] == answers[1]
-    export = ["monitor", "--export", "c", "loop", "--model", "model.toml", "--rate", "256"]
-    assert run([*export, "--config", "lab.toml"]) == 0
-    assert run([*follow, "--config", "lab.toml", "--f", "1.2"]) == 2
+    asked = [TEST] if service == "follow_test" else ["--export", "c", "loop", "--rate", "256"]
+    assert run(["monitor", *asked, "--config", "lab.toml", "--model", "model.toml"]) == 2
+    assert str(calls["model"]) == "model.toml"
+    assert calls.keys().isdisjoint({"f", "xi", "feedback_lag"})
+    assert run(["monitor", *asked, "--config", "lab.toml", "--model", "model.toml", "--f", "1.2"]) == 2
+    assert calls["f"] == "1.2"  # what the command line states is refused beside a model
