@@ -56,7 +56,7 @@ def test_squares_of_allowed_sizes_are_finite():
 @pytest.mark.parametrize("name", [name for name in vars(ordinary_equipment()) if name != "skew_ms"])
 def test_equipment_of_no_laboratory_is_refused(tmp_path, name, value):
     (tmp_path / "equipment.toml").write_text(f"{name} = {value!r}\n")
-    with pytest.raises(InputError, match=r"equipment\.toml: .*must be"):
+    with pytest.raises(InputError, match=r"equipment\.toml: (.*must be|Not a finite number)"):
         read_equipment(tmp_path / "equipment.toml")
     with pytest.raises(InputError, match=name):
         Equipment(**{**vars(ordinary_equipment()), name: value})
@@ -66,7 +66,7 @@ def test_equipment_of_no_laboratory_is_refused(tmp_path, name, value):
 @pytest.mark.parametrize("name", SOUND)
 def test_model_of_no_test_is_refused(tmp_path, name, value):
     (tmp_path / "model.toml").write_text(MODEL.format(**{**SOUND, name: value}))
-    with pytest.raises(InputError, match=r"model\.toml: .*must be"):
+    with pytest.raises(InputError, match=r"model\.toml: (.*must be|Not a finite number)"):
         read_model(tmp_path / "model.toml")
 
 
@@ -75,7 +75,7 @@ def test_model_of_no_test_is_refused(tmp_path, name, value):
 def test_frame_of_no_structure_is_refused(tmp_path, name, value):
     sound = {"mass": 1000.0, "stiffness": 2e6, "ratio": 0.02}
     (tmp_path / "frame.toml").write_text(FRAME.format(**{**sound, name: value}))
-    with pytest.raises(InputError, match=r"frame\.toml: .*must be"):
+    with pytest.raises(InputError, match=r"frame\.toml: (.*must be|Not a finite number)"):
         read_structure(tmp_path / "frame.toml")
 
 
@@ -91,7 +91,7 @@ def test_negligible_mass_is_none(tmp_path):
 @pytest.mark.parametrize("key", ["skew_ms", "scale", "hysteresis", "noise_m"])
 def test_calibration_of_no_channel_is_refused(tmp_path, key, value):
     (tmp_path / "channels.toml").write_text(f"[calibration]\n{key} = {value!r}\n")
-    with pytest.raises(InputError, match=r"channels\.toml: .*must be"):
+    with pytest.raises(InputError, match=r"channels\.toml: (.*must be|Not a finite number)"):
         read_channels_file(tmp_path / "channels.toml")
 
 
