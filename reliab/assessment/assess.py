@@ -17,7 +17,6 @@ from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
 from reliab.assessment.conflicts import damping_from_channels
 from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.fault_effects import error_with_faults
 from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior
@@ -25,7 +24,6 @@ from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.own_equation import (
     OwnEquation,
-    compare_with_posterior,
     compare_with_stated,
     looks_nonlinear,
 )
@@ -259,7 +257,10 @@ def _judge(
     if isinstance(sound, Recording) and question.frame is None and question.linear:
         nonlinear = looks_nonlinear(sound, question.structure)
     error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
-    equation = _compare_with_stated(error, sound, asked, nonlinear=nonlinear)
+    equation = OwnEquation(notes=error.ground.notes, doubts=error.ground.doubts)
+    if error.inferred is not None:
+        posterior, structure = error.inferred.posterior, question.structure
+        equation = compare_with_stated(posterior, structure, error.ground, asked.stated, nonlinear=nonlinear)
     return JudgedError(
         recording=recording,
         sound=sound,
@@ -276,23 +277,6 @@ def _judge(
         else tuple(doubts_of_columns(recording, tracking)),
         verdict=verdict_of_error(error),
     )
-
-
-def _compare_with_stated(
-    error: ErrorOfTest | ErrorOfSeveral,
-    sound: Recording | CoupledRecording,
-    question: Question,
-    *,
-    nonlinear: str,
-) -> OwnEquation:
-    """Compare stated values with what the channels show; `nonlinear`: as of `OwnEquation`."""
-    structure, stated_values, ground = question.structure, question.stated, error.ground
-    if error.inferred is None:
-        return OwnEquation(notes=ground.notes, doubts=ground.doubts)
-    posterior = error.inferred.posterior
-    if question.equipment.is_exact:
-        return compare_with_stated(posterior, sound, structure, ground, stated_values, nonlinear=nonlinear)
-    return compare_with_posterior(posterior, structure, ground, stated_values, nonlinear=nonlinear)
 
 
 def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:

@@ -1,23 +1,34 @@
 """Stated values that the channels of a test contradict: those far from their posterior."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from reliab.assessment.budget.sizes import PriorSource, ordinary_equipment
 from reliab.assessment.inference.posterior import TestPosterior, infer
-from reliab.assessment.inference.quantities import UncertainQuantity
+from reliab.assessment.inference.quantities import QUANTITIES, UncertainQuantity
 from reliab.assessment.inference.uncertain_quantity import Prior, Shape
 from reliab.assessment.verdict import Contradiction
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import MILLI
 from reliab.structures.structure import Structure
 
 _FAR = 3.0  # standard deviations of what the prior lets expect
 _STRUCTURE_OPTIONS = ("f", "xi", "alpha")
 _ERROR_OPTIONS = (*_STRUCTURE_OPTIONS, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
 _UNITS = {"f": " Hz", "mass": " kg"}
-_SIGNIFICANT = 3.0  # standard deviations
-_MATTERS = {"frequency": 0.005, "damping_ratio": 0.02, "experimental_fraction": 0.02, "feedback_lag": 1e-4}
+# How near a value that is stated as exact is taken to be: relative, or in the SI unit, one standard deviation
+_EXACTNESS = {
+    "frequency": 0.0017,
+    "damping_ratio": 0.0067,
+    "experimental_fraction": 0.0067,
+    "feedback_lag": 3e-5,
+    "time_shift": 3e-5,
+}
+_STRUCTURE = ("frequency", "damping_ratio", "experimental_fraction")
+_LAG = ("frequency", "experimental_fraction", "feedback_lag")
+_SKEW = ("time_shift",)
+_OF_EXACT = "Correct it, or state how uncertain it is: the error is then inferred with what the test shows."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,11 +38,6 @@ class IdentifiedParameter:
     value: float  # value, deviation: Value and standard error, in the parameter's own unit (Hz, -, s)
     deviation: float
     stated: float  # What the user stated
-
-    def departs(self, least: float) -> bool:
-        """Whether the stated value is wrong by three standard errors and by more than `least`."""
-        off = abs(self.value - self.stated)
-        return off > _SIGNIFICANT * self.deviation and off > least
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,33 +53,32 @@ class Identification:
     # What the ground acceleration does not explain over what it does, while it acts [-]
     misfit: float
 
-    def disagreements(self) -> tuple[str, ...]:
-        """Names of stated values from which the test differs significantly and not negligibly."""
-        return tuple(
-            name
-            for name, least in _MATTERS.items()
-            if (estimate := getattr(self, name)) is not None
-            and estimate.departs(least if name == "feedback_lag" else least * abs(estimate.stated))
-        )
-
 
 def find_conflicts(
-    posterior: TestPosterior, structure: Structure, stated_values: Mapping[str, StatedValue]
+    shown: TestPosterior,
+    structure: Structure,
+    stated_values: Mapping[str, StatedValue],
+    opened: Collection[str] = (),
 ) -> Iterator[Contradiction]:
     """Say which stated or assumed values lie far from what the channels show.
 
     Those of other channels than command and measured displacement have no remedy: their values as shown were
-    used, and the error does not rest on them.
+    used, and the error does not rest on them. `opened`: quantities that were stated as exact and are open in
+    `shown`; none of the others can then be contradicted.
     """
-    for unknown in posterior.unknowns:
-        far = posterior.conflicts[unknown.name]
+    for unknown in shown.unknowns:
+        if opened and unknown.name not in opened:
+            continue
+        exactness = _EXACTNESS[unknown.name] / unknown.prior.deviation if opened else 1.0
+        far = shown.conflict(unknown, exactness)
         two_sided = unknown.prior.shape in (Shape.NORMAL, Shape.LOGNORMAL)
         if far > _FAR or (two_sided and far < -_FAR):
+            option = unknown.quantity.option
             yield Contradiction(
-                finding=_finding(unknown, posterior, structure, stated_values),
-                remedy=unknown.quantity.remedy if unknown.quantity.option in _ERROR_OPTIONS else "",
-                option=unknown.quantity.option,
-                of_structure=unknown.quantity.option in _STRUCTURE_OPTIONS,
+                finding=_finding(unknown, shown, structure, stated_values, is_exact=bool(opened)),
+                remedy=_OF_EXACT if opened else unknown.quantity.remedy if option in _ERROR_OPTIONS else "",
+                option=option,
+                of_structure=bool(opened) or option in _STRUCTURE_OPTIONS,
             )
 
 
@@ -82,6 +87,8 @@ def _finding(
     posterior: TestPosterior,
     structure: Structure,
     stated_values: Mapping[str, StatedValue],
+    *,
+    is_exact: bool,
 ) -> str:
     quantity = unknown.quantity
     base = _value_as_stated(unknown, structure, stated_values)
@@ -92,10 +99,11 @@ def _finding(
         factor * size for size in (posterior.deviations[unknown.name], unknown.prior.deviation)
     )
     source = "stated" if unknown.prior.source is PriorSource.STATED or base else "assumed"
+    size = "" if is_exact else f" ± {significant(prior_deviation, 1)}"
     return (
         f"The recording shows a {quantity.words} of {significant(shown_value, 4)} ± "
         f"{significant(deviation, 1)}{unit}; "
-        f"{significant(base, 4)} ± {significant(prior_deviation, 1)}{unit} was {source}."
+        f"{significant(base, 4)}{size}{unit} was {'taken as exact' if is_exact else source}."
     )
 
 
@@ -115,34 +123,42 @@ def _value_as_stated(
     return stated_values.get(option, nothing).value
 
 
-def identify_exact(posterior: TestPosterior, structure: Structure, misfit: float) -> Identification:
-    """Say what the channels show of a structure that is stated as exact.
+def open_exact(
+    posterior: TestPosterior, *, has_ground: bool
+) -> Iterator[tuple[TestPosterior, tuple[str, ...]]]:
+    """Let quantities that were stated as exact be as uncertain as they ordinarily are; give their names, too.
 
-    They show the damping ratio if the lag of the fed-back force is as stated, and with a recorded force that
-    lag if the damping ratio is: each acts as the other.
+    With the ground acceleration channels show the damping ratio if the lag of the fed-back force is as
+    stated, and with a recorded force that lag if the damping ratio is: each acts as the other. A force shows
+    the skew of the channels.
     """
     known, usual = posterior.circumstances, ordinary_equipment()
+    force, stated = known.specimen_force, {unknown.name for unknown in posterior.unknowns}
+    # of a structure that is all specimen a force alone shows the share
+    has_share = force or bool(known.partition.numerical_stiffness.any())
+    usual_deviations = {
+        "frequency": usual.f,
+        "damping_ratio": usual.xi,
+        "experimental_fraction": usual.alpha if has_share else 0.0,
+        "feedback_lag": usual.feedback_lag_ms / MILLI,
+        "time_shift": usual.skew(known.channels.band.record_step),
+    }
+    for names in (*[_STRUCTURE] * has_ground, *[_LAG] * (has_ground and force), *[_SKEW] * force):
+        priors = {
+            quantity.name: Prior(deviation=usual_deviations[quantity.name], shape=quantity.shape)
+            for quantity in QUANTITIES
+            if quantity.name in names and quantity.name not in stated and usual_deviations[quantity.name]
+        }
+        yield infer(replace(known, learned={**priors, **known.learned})), tuple(priors)
 
-    # a force tells the share of a structure that is all specimen as stated, too
-    share = {"experimental_fraction": Prior(deviation=usual.alpha)} if known.specimen_force else {}
 
-    def identify(*names: str) -> Identification:
-        equipment = replace(known.equipment, **{name: getattr(usual, name) for name in names})
-        circumstances = replace(known, equipment=equipment, learned={**share, **known.learned})
-        return identify_structure(infer(circumstances), structure, misfit)
-
-    shown = identify("f", "xi", "alpha")
-    if not known.specimen_force:
-        return shown
-    return replace(shown, feedback_lag=identify("f", "alpha", "feedback_lag_ms").feedback_lag)
-
-
-def identify_structure(posterior: TestPosterior, structure: Structure, misfit: float) -> Identification:
-    """Put what the channels show of the structure into an identification."""
-    feedback_lag = posterior.circumstances.feedback_lag
+def identify_structure(shown: Sequence[TestPosterior], structure: Structure, misfit: float) -> Identification:
+    """Put what the channels show of the structure into an identification, from the first that shows it."""
+    feedback_lag = shown[0].circumstances.feedback_lag
 
     def identify_parameter(name: str, stated_value: float, size: float) -> IdentifiedParameter | None:
-        if name not in posterior.means:
+        posterior = next((posterior for posterior in shown if name in posterior.means), None)
+        if posterior is None:
             return None
         value = stated_value + size * posterior.means[name]
         return IdentifiedParameter(

@@ -1,39 +1,27 @@
-"""Values that were stated as exact, against what the channels show."""
+"""Stated values against what the channels show: the distance over what both leave open."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
-from reliab.assessment.conflicts import Identification, IdentifiedParameter
+from reliab.assessment.inference import posterior as inference
 
-NAMES = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag")
-
-
-@pytest.mark.parametrize(
-    ("off", "deviation", "departs"),
-    [
-        (0.0301, 0.01, True),
-        (0.0299, 0.01, False),
-        (0.021, 1e-4, True),
-        (0.019, 1e-4, False),
-        (-0.0301, 0.01, True),
-    ],
-)
-def test_a_stated_value_is_wrong_by_three_standard_errors_and_more_than_matters(off, deviation, departs):
-    assert IdentifiedParameter(value=1.0 + off, deviation=deviation, stated=1.0).departs(0.02) is departs
+VALUE, DEVIATION = 1.5, 0.2  # of a likelihood, over the deviation of the prior
 
 
-def test_deviations_are_relative_except_for_a_lag():
-    """0.5 % of the frequency, 2 % of the damping ratio, 2 % of the share, 0.1 ms of the lag."""
+def posterior(value: float, deviation: float) -> SimpleNamespace:
+    """Closed form of a likelihood and of a standard normal prior, in closed form."""
+    shrunk = 1.0 / (1.0 + deviation**2)
+    fit = SimpleNamespace(mode=np.array([shrunk * value]), covariance=np.array([[deviation**2 * shrunk]]))
+    return SimpleNamespace(unknowns=("frequency",), fit=fit)
 
-    def identification(factor):
-        return Identification(
-            frequency=IdentifiedParameter(value=2.0 * (1.0 + 0.005 * factor), deviation=0.0, stated=2.0),
-            damping_ratio=IdentifiedParameter(value=0.04 * (1.0 - 0.02 * factor), deviation=0.0, stated=0.04),
-            experimental_fraction=IdentifiedParameter(
-                value=0.5 * (1.0 + 0.02 * factor), deviation=0.0, stated=0.5
-            ),
-            feedback_lag=IdentifiedParameter(value=1e-3 - 1e-4 * factor, deviation=0.0, stated=1e-3),
-            misfit=0.0,
-        )
 
-    assert identification(0.99).disagreements() == ()
-    assert identification(1.01).disagreements() == NAMES
+@pytest.mark.parametrize("share", [1.0, 0.1, 0.0])
+def test_a_conflict_is_the_distance_over_the_deviations_of_both(share):
+    result = inference.TestPosterior.conflict(posterior(VALUE, DEVIATION), "frequency", share)
+    assert result == pytest.approx(VALUE / np.hypot(DEVIATION, share))
+
+
+def test_channels_that_show_nothing_contradict_nothing():
+    assert inference.TestPosterior.conflict(posterior(5.0, 3.0), "frequency") == 0.0

@@ -257,10 +257,10 @@ def parameters(series: Series, number: int) -> Iterator[Row]:
                 force=force if has_force else None,
             )
             mass = {"mass": StatedValue(1.0)} if has_force else {}
-            identification = assess(recording, stated_structure, stated=mass).equation.identified
-            if identification is None:
+            equation = assess(recording, stated_structure, stated=mass).equation
+            if (identification := equation.identified) is None:
                 continue
-            row[f"{name}_contradicted"] = "frequency" in identification.disagreements()
+            row[f"{name}_contradicted"] = "f" in equation.wrong
         row["f_off"] = abs(identification.frequency.value / test.lab.f - 1.0)
         row["xi_off"] = abs(identification.damping_ratio.value / test.lab.xi - 1.0)
         yield row

@@ -75,17 +75,20 @@ class TestPosterior:
         deviation = np.sqrt(self.draws.weights @ spread**2)
         return dict(zip((unknown.name for unknown in self.unknowns), deviation.tolist(), strict=True))
 
-    @cached_property
-    def conflicts(self) -> dict[str, float]:
-        """How far the channels move each quantity from its prior, over what the prior predictive allows.
+    def conflict(self, unknown: UncertainQuantity, stated_share: float = 1.0) -> float:
+        """How far the channels show a quantity from its stated value, over what both leave open.
 
-        The mode has the variance 1 − C a priori, with C the covariance a posteriori of the standard normal
-        variables. A quantity of which the channels show nothing has no conflict.
+        `stated_share`: deviation with which it is stated, over that of its prior. A likelihood at a with the
+        deviation s, both over that of the prior, gives the mode a/(1 + s²) and the variance s²/(1 + s²); the
+        distance is a/√(s² + stated_share²). A quantity of which the channels show nothing has no conflict.
         """
-        shrunk = 1.0 - np.diag(self.fit.covariance)
-        is_informed = shrunk > _INFORMED_SHARE
-        score = np.where(is_informed, self.fit.mode / np.sqrt(np.where(is_informed, shrunk, 1.0)), 0.0)
-        return dict(zip((unknown.name for unknown in self.unknowns), score.tolist(), strict=True))
+        place = self.unknowns.index(unknown)
+        variance = float(self.fit.covariance[place, place])
+        shrunk = 1.0 - variance
+        if shrunk <= _INFORMED_SHARE:
+            return 0.0
+        open_variance = variance / shrunk + stated_share**2
+        return float(self.fit.mode[place]) / shrunk / math.sqrt(open_variance)
 
 
 _INFORMED_SHARE = 0.25  # of the variance a priori, that the channels take away

@@ -129,7 +129,9 @@ def test_recorded_excitation_never_widens_the_interval(late_test):
 
 def test_wrong_damping_ratio_conflicts_with_the_record(late_test):
     circumstances = circumstances_of(late_test, f=1.0, xi=0.2, equipment=ordinary_equipment())
-    assert abs(infer(circumstances, draws=1).conflicts["damping_ratio"]) > 3.0
+    posterior = infer(circumstances, draws=1)
+    ratio = next(unknown for unknown in posterior.unknowns if unknown.name == "damping_ratio")
+    assert abs(posterior.conflict(ratio)) > 3.0
 
 
 @pytest.mark.parametrize("last_frequency", [0.8, 2.5])
