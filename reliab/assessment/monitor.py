@@ -135,7 +135,7 @@ class Monitor(RunningTest):
             known.skew_deviation(time_step),
         )
         self._lag, self._sensor_offset = feedback_lag, sensor_offset
-        self._known, self._seed = replace(known, equipment=known.equipment.at_step(time_step)), seed
+        self._known, self._seed = replace(known, equipment=known.equipment.fix_skew(time_step)), seed
         is_held = self._has_several or self._model is not None
         stride = samples_in_step_of_structure(self.structure, time_step)
         self._stretch = sys.maxsize if is_held else stretch or stride * _STRETCH

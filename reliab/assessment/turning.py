@@ -8,8 +8,8 @@ import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.inference.rebuilt import error_of_command
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
-from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
 from reliab.assessment.yielding import (
     DUCTILITIES,
@@ -181,8 +181,7 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
     """
     rebuilt, histories = error.rebuilt, error.rebuilt.histories
     rate = np.gradient(histories.measured, histories.time_step)
-    recursion = Recursion.from_displacement(rebuilt.structure, histories.time_step)
-    response = respond(recursion, rate)[0]
+    response = error_of_command(rebuilt.structure, rebuilt.inferred.band, rate)[0]
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:

@@ -15,6 +15,17 @@ _QUANTITY = re.compile(
     r"(?:(?:±|\+/?-|,(?=[^,.]*\.))\s*(?P<deviation>[\d.]+(?:e[+-]?\d+)?)\s*(?P<percent>%?))?\s*$",
     re.IGNORECASE,
 )
+_PERCENTAGE = re.compile(r"^\s*(\d+(?:\.\d*)?|\.\d+)\s*%\s*$")
+
+
+def percentage_as_number(text: str) -> str:
+    """Say how a percentage is written as a number; empty for anything else.
+
+    >>> percentage_as_number("2 %"), percentage_as_number("two")
+    ('Write 0.02 for 2 %', '')
+    """
+    match = _PERCENTAGE.match(text)
+    return f"Write {float(match[1]) / PERCENT:g} for {match[1]} %" if match else ""
 
 
 @dataclass(frozen=True)
@@ -48,7 +59,7 @@ class StatedValue:
             raise InputError(
                 f"The {quantity} is no number",
                 value=repr(text),
-                remedy="Write 1.5, 1±0.01, 1+-0.01, 1,0.01 or 1±1%",
+                remedy=percentage_as_number(str(text)) or "Write 1.5, 1±0.01, 1+-0.01, 1,0.01 or 1±1%",
             )
         return cls(value, deviation * abs(value) / PERCENT if match["percent"] else deviation)
 

@@ -225,7 +225,7 @@ class Item:
             return "cannot be recomputed from tables or records"
         if abs(self.difference) <= CLOSE:
             return "reproduced"
-        percent = f"{100.0 * self.difference:+.0f} %"
+        percent = f"{100.0 * self.difference:+.0f} %".replace("-", "−")
         if abs(self.from_tables / self.printed - 1.0) <= CLOSE:
             return f"reproduced from the tables; from the records {percent}, unexplained"
         return f"differs by {percent}, unexplained"

@@ -19,6 +19,7 @@ from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_
 from reliab.app.options import HELP, PANELS, Json
 from reliab.core.errors import InputError
 from reliab.core.progress import shows_tasks
+from reliab.core.stated_value import percentage_as_number
 from reliab.sweep.several import Names, Numbers
 
 if TYPE_CHECKING:
@@ -271,6 +272,25 @@ def _number(option: Option, text: str) -> float:
     return float(option.remove_unit(text))
 
 
+def _refusal_of_number(error: typer.BadParameter) -> InputError | None:
+    """Refuse what is no number in words of our own; None where something else was wrong."""
+    problems: list[dict[str, Any]] = getattr(error.__cause__, "errors", list)()
+    if not problems or problems[0]["type"] not in _NO_NUMBER:
+        return None
+    option, text = getattr(error.param, "opts", ["an argument"])[0], str(problems[0]["input"])
+    return InputError(
+        f"The value of {option} is no {_NO_NUMBER[problems[0]['type']]}",
+        value=repr(text),
+        remedy=percentage_as_number(text) or "Write digits, with a point before decimals",
+    )
+
+
+_NO_NUMBER = {
+    "float_parsing": "number",
+    "value_error": "number",
+    "int_parsing": "whole number",
+    "int_from_float": "whole number",
+}
 _SHOWS_ALL = "reliab.shows_all"
 
 
@@ -284,7 +304,10 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - Typer hides its types
         """Read the arguments; refuse two values of an option that takes one."""
-        remaining: list[str] = super().parse_args(ctx, list(args))
+        try:
+            remaining: list[str] = super().parse_args(ctx, list(args))
+        except typer.BadParameter as error:
+            raise _refusal_of_number(error) or error from None
         _, _, parameters = self.make_parser(ctx).parse_args(args)
         for parameter in parameters:
             takes_one = parameter.nargs == 1 and not (

@@ -80,7 +80,7 @@ class Equipment:
         sample_skew = self.skew_samples * time_step
         return sample_skew if self.skew_ms is None else min(sample_skew, self.skew_ms / MILLI)
 
-    def at_step(self, time_step: float) -> "Equipment":
+    def fix_skew(self, time_step: float) -> "Equipment":
         """Fix the skew at that of channels recorded at a time step [s], whatever joins their samples."""
         return replace(self, skew_ms=MILLI * self.skew(time_step))
 

@@ -200,6 +200,12 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("good.csv", "--f", 1, "--f", 2), "takes one value"),
         (("good.csv", "--f", "one"), "is no number"),
         (("good.csv", "--f", "1±"), "is no number"),
+        (("good.csv", "--f", "1", "--xi", "2%"), "Write 0.02 for 2 %"),
+        (("good.csv", "--f", "1", "--xi", "0.02", "--threshold", "5%"), "Write 0.05 for 5 %"),
+        (
+            ("good.csv", "--f", "1", "--xi", "0.02", "--threshold", "low"),
+            "The value of --threshold is no number",
+        ),
         (("good.csv", "--f", "1±0.5"), "below 0.333"),
         (("good.csv", "--f", 1, "--confidence", 95), "confidence must lie between"),
         (("good.csv", "--f", 1, "--threshold", 5), "must be (positive, and )?at most 2"),
