@@ -180,6 +180,7 @@ def response(blocks: Blocks, structure: Structure, gain: float, delay: float) ->
 
 
 def _run(blocks: Blocks, cells: Array, delay: int, history: Array) -> Array:
+    rows = np.ascontiguousarray(cells)  # so that the kernel is compiled for one layout
     return _track_lanes(
-        blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, cells, delay, history
+        blocks.left, blocks.right, blocks.ideal, blocks.before, blocks.end, rows, delay, history
     )
