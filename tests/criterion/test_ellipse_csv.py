@@ -65,12 +65,12 @@ def test_motion_missing_in_a_cell_is_skipped_there(tmp_path):
     ("text", "message"),
     [
         ("", "readable CSV"),
-        ("a,c\n1,2\n", "no column b"),
-        ("a,b\n1e-4,2\n-1e-4,2\n", "line 3: The column a must hold numbers between"),
-        ("a,b\n1e-4,two\n", "line 2: The column b must hold numbers between .*; found 'two'"),
+        ("a,c\n1,2\n", "No column b"),
+        ("a,b\n1e-4,2\n-1e-4,2\n", "line 3: Not a number between .* in the column a"),
+        ("a,b\n1e-4,two\n", "line 2: Not a number between .* in the column b; found 'two'"),
         ("a,b\n1e-4,inf\n", "line 2"),
         ("a,b\n1e-4,\n", "line 2"),
-        ("motion,a,b\nx,1e-4,2\nx,1e-4,3\n", "line 3: A motion may occur only once"),
+        ("motion,a,b\nx,1e-4,2\nx,1e-4,3\n", "line 3: A motion occurs twice"),
         ("a,b,xi\n1e-4,1,zero\n", "column xi"),
     ],
 )

@@ -68,7 +68,10 @@ derive = partial(derive_criterion, method="quantile")
             lambda: sample(b=np.full(3, 2.0)),
             "b is the same for all ground motions; found 3 times 2",
         ),
-        (lambda: derive(ellipses(side=["lead"])), "boundaries of lags; found ellipses of lead alone"),
+        (
+            lambda: derive(ellipses(side=["lead"])),
+            "boundaries of late actuators; found ellipses of lead alone",
+        ),
         (lambda: validate_coefficients("a", [1.0, np.nan], 2), "coefficients of a must be 2 finite numbers"),
         (lambda: validate_coefficients("b", [1.0], 2), "coefficients of b must be 2 finite numbers"),
         (lambda: validate_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),

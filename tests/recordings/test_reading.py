@@ -172,13 +172,13 @@ def test_ambiguous_columns_are_said(tmp_path, header, message):
         (b"", "rows of at least two numbers"),
         (b"time,command\n", "rows of at least two numbers"),
         (b"\x00\x01\x02\x03binary", "reliab does not read"),
-        (b"MATLAB 5.0 broken", "must be readable"),
-        (b"\x89HDF\r\n\x1a\nbroken", "must be readable"),
+        (b"MATLAB 5.0 broken", "Cannot read the file; found Mat file"),
+        (b"\x89HDF\r\n\x1a\nbroken", "Cannot read the file; found Unable"),
         (b"CDF\x01broken", "Cannot read the file"),
-        (b"time,command,measured\n0,1,2\n1,2\n", "Every line must have 3 columns"),
+        (b"time,command,measured\n0,1,2\n1,2\n", "line 3: 2 columns, but 3 in the first line"),
         (b"time,command,measured\n0,1,2\n1,x,2\n", "line 3, column command: Not a number"),
         (b"time,command,measured\n0,1,2\n1," + b"x" * 400 + b",2\n", "found 'x{40} …'. Correct the line"),
-        (b"time,command,measured\n0,1,2\n1,2,2\n", "at least 64 samples"),
+        (b"time,command,measured\n0,1,2\n1,2,2\n", "needs at least 64"),
     ],
 )
 def test_broken_files_are_explained(tmp_path, content, message):

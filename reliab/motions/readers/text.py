@@ -346,7 +346,7 @@ def _state(
     """Read what the lines of a header state."""
     scales = list(statements.scales(statement_lines, report))
     factors = [Statement(value=scale.factor, line=scale.line) for scale in scales]
-    factor = _agreeing(factors, "scale factor", report)
+    factor = _agreeing(factors, "scale factors", report)
     peaks = list(statements.peak_units(lines))
     units = [
         *(peaks if layout.is_announced else ()),

@@ -32,7 +32,7 @@ def answer(*arguments: object) -> dict:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Files of three tests of a one-hertz response, and a ground motion."""
+    """Files of three tests of a one-hertz response, a ground motion and a criterion."""
     root = tmp_path_factory.mktemp("tests")
     rng = np.random.default_rng(5)
     times = np.arange(0.0, 40.0, 1.0 / 256.0)
@@ -45,6 +45,7 @@ def folder(tmp_path_factory):
     shaking = np.exp(-(((times - 8.0) / 5.0) ** 2)) * rng.normal(size=times.size)
     lines = ["# units: m/s2", f"# dt = {1.0 / 256.0}", *(f"{sample:.6f}" for sample in shaking)]
     (root / "ground.txt").write_text("\n".join(lines), encoding="utf-8")
+    (root / "criterion.json").write_text(published_criterion("guo_2017_12").to_json(), encoding="utf-8")
     return root
 
 
@@ -165,7 +166,6 @@ def test_known_ground_motion_gives_its_own_verdict(folder):
 
 
 def test_criterion_of_a_file_is_used(folder):
-    (folder / "criterion.json").write_text(published_criterion("guo_2017_12").to_json(), encoding="utf-8")
     content = answer(folder / "good.csv", "--criterion", folder / "criterion.json")
     assert content["population"]["law"] == "guo_2017_12"
     assert content["by_index"]["probability"] is None
@@ -213,11 +213,11 @@ def test_design_states_tolerable_errors_and_a_chart(folder):
         (("good.csv", "--f", 1, "--command", "comand_m"), "No column 'comand_m' for the command"),
         (("good.csv", "--f", 1, "--criterion", "none.json"), "No such file"),
         (
-            ("good.csv", "--f", 1, "--criterion", "good.csv", "--threshold", 0.02),
+            ("good.csv", "--f", 1, "--criterion", "criterion.json", "--threshold", 0.02),
             "`threshold` has no effect together with",
         ),
         (
-            ("good.csv", "--f", 1, "--criterion", "good.csv", "--metric", "mte"),
+            ("good.csv", "--f", 1, "--criterion", "criterion.json", "--metric", "mte"),
             "`metric` has no effect together with",
         ),
         (("good.csv", "--f", 1, "--motion", "none.at2"), "No such file"),

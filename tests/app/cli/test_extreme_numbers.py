@@ -63,15 +63,15 @@ def test_an_impossible_number_is_refused(words, option, value, motions, tmp_path
 
 EDGES = [
     *((TEST, "--xi", value) for value in ("1e-12", "1e-6")),
-    *((TEST, "--alpha", value) for value in ("1e-12", "1e-6")),
-    *((TEST, "--scale", value) for value in ("1e-30", "1e30")),
+    (TEST, "--alpha", "1e-6"),
+    *((TEST, "--scale", value) for value in ("0.001", "1000")),
     (TEST, "--feedback-lag", "1e-30"),
-    *((DESIGN, "--f", value) for value in ("0.01", "1e6")),
+    *((DESIGN, "--f", value) for value in ("0.01", "1e4")),
     (DESIGN, "--xi", "1e-12"),
     (DESIGN, "--confidence", "5e-324"),
-    *((ELLIPSES, "--threshold", value) for value in ("1e-6", "10")),
+    *((ELLIPSES, "--threshold", value) for value in ("1e-6", "2")),
     *((ELLIPSES, "--xi", value) for value in ("1e-12", "1e-6")),
-    (ELLIPSES, "--alpha", "1e-12"),
+    (ELLIPSES, "--alpha", "1e-6"),
     (ELLIPSES, "--f", "0.01"),
 ]
 """The smallest and largest numbers that are not refused."""

@@ -63,10 +63,10 @@ def test_shipped_results_report_the_fate_of_tests(tmp_path):
     ours, _, eq18 = result["rows"]
     assert result["truth"] == "simulated"
     assert (result["n_motions"], result["n_events"]) == (100, 19)
-    assert 0.92 <= ours["containment"]["rate"] <= 0.98
+    assert 0.95 <= ours["containment"]["rate"] < 1.0  # protected over lengths
     assert ours["false_safe"]["rate"] < 0.05 < eq18["false_safe"]["rate"]
-    output = "guo_2017_18 does not keep what it states: it protects 12.0 % of the motions where it states"
-    assert f"{output} 95 %" in cells
+    output = "guo_2017_18 does not keep what it states: it protects 12.0 % of the motions at 95 %"
+    assert output in cells
     for row in result["rows"]:
         verb = "keeps" if row["containment"]["low"] >= row["confidence"] else "(may|does not) keep"
         assert re.search(f"{row['candidate']} {verb}", cells)
@@ -141,15 +141,6 @@ def test_sets_are_judged_by_others(tmp_path):
 
 
 @pytest.mark.slow
-def test_table_6_has_the_same_verdicts(real_motions_folder):
-    content = answer("--motions", real_motions_folder, "--case", "KOBE/KJM000")
-    assert content["motion"] == "KOBE/KJM000"
-    for row in content["cases"]:
-        assert row["accepted"] is row["good"]
-        assert row["good"] is (row["case"] != 4)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "rule"),
     [
@@ -161,11 +152,6 @@ def test_table_6_has_the_same_verdicts(real_motions_folder):
         (("--ellipses", TABLE2, "--leave-out", "kp"), "`leave_out` is f or xi"),
         (("--ellipses", TABLE2, "--learn", "far_field"), "needs `motions`, `learn` and `judge`"),
         (("--ellipses", TABLE2, "--confidence", 95), "confidence must lie between"),
-        pytest.param(
-            ("--motions", "synthetic", "--case", "KOBE/KJM000"),
-            "in the suite",
-            marks=pytest.mark.of_studies,
-        ),
         (
             ("--motions", "synthetic", "--learn", "synthetic", "--judge", "none"),
             "motions have no such set",

@@ -76,7 +76,7 @@ def test_each_named_component_is_a_motion_of_one_event(heading: str, write: Writ
             (times(), SAMPLES, SAMPLES),
             "what the columns hold; found 3 columns without names",
         ),
-        ("# units: m/s2", (times(), SAMPLES, SAMPLES, SAMPLES), "columns with names; found 4 columns"),
+        ("# units: m/s2", (times(), SAMPLES, SAMPLES, SAMPLES), "what the columns hold; found 4 columns"),
         ("time (s), velocity (m/s)", (times(), SAMPLES), "Not a record of acceleration; found columns time"),
         (
             "time (s), N-S (V), E-W (V)",
@@ -88,7 +88,7 @@ def test_each_named_component_is_a_motion_of_one_event(heading: str, write: Writ
             (times(), SAMPLES),
             "Two different units in one file; found m/s2 here and g",
         ),
-        ("# units: g\ntime (s), U(-), N(+)", (times(), SAMPLES, SAMPLES), "columns with names"),
+        ("# units: g\ntime (s), U(-), N(+)", (times(), SAMPLES, SAMPLES), "what the columns hold"),
     ],
 )
 def test_indistinguishable_columns_are_refused(

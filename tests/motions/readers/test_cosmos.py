@@ -70,7 +70,7 @@ def test_channels_are_read_and_velocity_is_not(cosmos: str, write: Write) -> Non
     ("old", "new", "rule"),
     [
         ("       5 acceleration", "      50 acceleration", "found 5 of 50"),
-        ("       5 acceleration", "       4 acceleration", "found 5 samples instead of 4"),
+        ("       5 acceleration", "       4 acceleration", "More samples .*; found 5 instead of 4"),
         (
             "cm/sec2(04)",
             "counts(50)",

@@ -95,9 +95,9 @@ def test_one_channel_of_several_must_be_chosen(three_channels: str, write: Write
         ),
         ("in cm/sec2.", "in ft/s2.", 12, "Unknown unit of acceleration; found 'ft/s2'"),
         ("in cm/sec2.", "in g.", 12, "Two different units in one file; found g here and cm/s2 in line 9"),
-        ("  1.171726", "********** ", 13, "must be a number"),
-        ("123.456700", "       NaN", 13, "must be finite; found 'NaN'"),
-        (" 222.25000", " 9222.2500", 13, "must not exceed 5 g; found 9.404 g with samples in cm/s2"),
+        ("  1.171726", "********** ", 13, "Not a number"),
+        ("123.456700", "       NaN", 13, "Not a finite number; found 'NaN'"),
+        (" 222.25000", " 9222.2500", 13, "above 5 g; found 9.404 g with samples in cm/s2"),
     ],
 )
 def test_a_fault_is_told_with_its_line(

@@ -61,16 +61,16 @@ def test_small_differences_between_networks_are_read(old: str, new: str, knet: s
     ("old", "new", "line", "rule"),
     [
         ("   13190    13106\n", "", 18, "found 8 of 10"),
-        ("13106\n", "13106\n 13 14 15 16 17 18 19 20\n", 20, "found 18 samples instead of 10"),
+        ("13106\n", "13106\n 13 14 15 16 17 18 19 20\n", 20, "More samples .*; found 18 instead of 10"),
         ("10Hz", "0Hz", 11, "positive number; found 0"),
         ("3920(gal)/6182761", "0(gal)/6182761", 14, "gal over counts"),
         ("3920(gal)/6182761", "3920(gal)/0", 14, "gal over counts"),
         ("Duration Time(s)  1", "Duration Time(s)  -1", 12, "positive number of seconds"),
         ("Duration Time(s)  1", "Duration Time(s)  long", 12, "positive number of seconds"),
-        ("   13196", " 1319six", 18, "must be a number; found '1319six'"),
-        ("   13196", "99999999", 18, "must not exceed 5 g"),
-        ("   13196    13187", " 1.7e308 1.7e308", 18, "must not exceed 5 g"),
-        ("   13196", "     nan", 18, "must be finite; found 'nan'"),
+        ("   13196", " 1319six", 18, "Not a number; found '1319six'"),
+        ("   13196", "99999999", 18, "Implausible peak, above 5 g"),
+        ("   13196    13187", " 1.7e308 1.7e308", 18, "Implausible peak, above 5 g"),
+        ("   13196", "     nan", 18, "Not a finite number; found 'nan'"),
     ],
 )
 def test_a_fault_is_told_with_its_line(

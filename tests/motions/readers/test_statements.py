@@ -98,7 +98,10 @@ def test_scale_factor_is_applied(line: str, factor: float, write: Write) -> None
     [
         ("scale factor: 0", "scale factor in the header is no number"),
         ("scale factor: see manual", "scale factor in the header is no number"),
-        ("scale factor: 2\n# scale factor: 3", "one scale factor; found 3.0 after 2.0 in line 3"),
+        (
+            "scale factor: 2\n# scale factor: 3",
+            "Two different .*scale factor.* in one file; found 3.0 here and 2.0 in line 3",
+        ),
         ("multiply the samples by 9.81", "whether this factor scales the samples"),
         ("1 count = 0.01 gal", "whether this factor scales the samples"),
         ("offset: 0.5", "to which column this offset belongs"),

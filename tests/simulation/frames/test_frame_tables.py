@@ -100,7 +100,10 @@ def test_specimen_damping_ratio_is_of_its_own_oscillator():
         ({"specimen": SPECIMEN | {"damping_ratio": 0.1, "damping_n_s_per_m": 1.0}}, "or damping_ratio"),
         ({"error": {"of": "drift"}}, 'between belongs to of = "drift"'),
         ({"error": {"of": "roof", "between": ["roof", "first"]}}, 'between belongs to of = "drift"'),
-        ({"frame": {"masses_kg": MASSES, "stiffness_matrix_n_per_m": [[1.0], [1.0, 2.0]]}}, "one length"),
+        (
+            {"frame": {"masses_kg": MASSES, "stiffness_matrix_n_per_m": [[1.0], [1.0, 2.0]]}},
+            "different lengths",
+        ),
         (
             {"specimen": {"direction": [1.0], "stiffness_n_per_m": 1.0, "part_of_structure": False}},
             "needs 2 numbers",

@@ -125,7 +125,7 @@ def test_a_file_with_matrices_is_the_same_as_one_with_storeys():
         ("specimen", {"degree_of_freedom": "9"}, "Name one of 1, 2"),
         ("specimen", {"stiffness_n_per_m": -1.0}, "specimen.stiffness_n_per_m"),
         ("specimen", {"mass_kg": 5000.0}, "mass must be smaller"),
-        ("specimen", {"effects": [{"name": "rust"}]}, "An effect must be one of"),
+        ("specimen", {"effects": [{"name": "rust"}]}, "Unknown effect; found rust"),
         ("specimen", {"effects": [{"name": "coulomb_friction", "force": 1.0}]}, "parameters of coulomb"),
         ("specimen", {"effects": [{"name": "coulomb_friction"}]}, "needs its parameters"),
     ],

@@ -117,7 +117,7 @@ def test_each_way_of_describing_gives_the_same_system(tmp_path):
         ({"poles_per_s": [[0.0, 5.0], [0.0, 5.0]]}, "repeated poles"),
         ({"numerator": [1.0, 0.0], "denominator": [1.0]}, "higher order"),
         ({"file": "rig.py"}, "MATLAB"),
-        ({"file": "absent.mat"}, "readable"),
+        ({"file": "absent.mat"}, "No such file"),
     ],
 )
 def test_malformed_transfer_systems_are_refused(table, message):
