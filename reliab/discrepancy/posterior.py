@@ -30,11 +30,11 @@ SMALLEST_AGREEMENT = 0.7
 
 _SEED = 2017
 _CHECKS = 48  # draws at which the surface is compared with simulations
-_DRAWS = 4000
+_DRAWS, _POPULATIONS = 4000, 8  # of a surface, at most so often
 _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
 _JOINT_SPREAD = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
-_SIMULATED = 300  # draws that are simulated at once
+_SIMULATED, _SIMULATIONS = 300, 30  # draws that are simulated at once, at most so often
 
 ENOUGH = 100.0
 """Effective number of simulated draws from which quantiles of 5 and 95 % are trusted."""
@@ -197,7 +197,13 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
     size, space = fit.space.size, fit.space
     rng = np.random.default_rng(_SEED)
     draws, effective = draw_by_importance(
-        surface.log_density, size, rng, draws=_DRAWS, population=_DRAWS, enough=_ENOUGH_OF_SURFACE
+        surface.log_density,
+        size,
+        rng,
+        draws=_DRAWS,
+        population=_DRAWS,
+        populations=_POPULATIONS,
+        enough=_ENOUGH_OF_SURFACE,
     )
     agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fit, surface, draws[:_CHECKS])
     if agreement < SMALLEST_AGREEMENT:
@@ -207,6 +213,7 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
             np.random.default_rng(_SEED),
             draws=_DRAWS,
             population=_SIMULATED,
+            populations=_SIMULATIONS,
             enough=ENOUGH,
         )
     exact = np.stack([space.values(point) for point in np.clip(surface.coordinates(draws), *surface.bounds)])
@@ -228,7 +235,6 @@ def agreement_of(problem: Problem, fit: Fit, surface: LikelihoodSurface, draws: 
     return effective_size(weights_of(ratios)) / len(draws)
 
 
-_POPULATIONS = 8  # how often at most draws are taken
 _GUIDING = 40.0  # effective number of draws around which the next ones are drawn
 _LEAST_VARIANCE = 1e-3  # of a standard coordinate
 _WIDER, _FREEDOM = 1.3, 5.0  # spread of a population over that before it, and Student's degrees of freedom
@@ -241,14 +247,15 @@ def draw_by_importance(
     *,
     draws: int,
     population: int,
+    populations: int = _POPULATIONS,
     enough: float,
 ) -> tuple[Array, float]:
     """Draw from a density that is nearly standard normal, shape (draws, size); the effective number, too.
 
     Every population is drawn from a distribution of Student around the weighted draws before it, and all of
     them count as draws of one mixture (adaptive multiple importance sampling of Cornuet and others 2012,
-    doi:10.1111/j.1467-9469.2011.00756.x), until `enough` are in effect. `log_density` of shape (points,) is
-    −∞ beyond bounds.
+    doi:10.1111/j.1467-9469.2011.00756.x), until `enough` are in effect, or so many `populations` were drawn.
+    `log_density` of shape (points,) is −∞ beyond bounds.
 
     >>> rng = np.random.default_rng(1)
     >>> drawn, effective = draw_by_importance(
@@ -261,7 +268,7 @@ def draw_by_importance(
     covariance = np.eye(size)
     points, logs = np.zeros((0, size)), np.zeros(0)
     weights, mixture = np.zeros(0), []
-    for _ in range(_POPULATIONS):
+    for _ in range(populations):
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
         mixture.append((mean, np.asarray(np.linalg.cholesky(shape))))
         fresh = _draw_student(mean, shape, population, rng)
