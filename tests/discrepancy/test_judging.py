@@ -16,7 +16,8 @@ from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
 
 CUBIC, VISCOUS = find_effect("cubic_stiffness"), find_effect("viscous_damping")
-TERM = general_terms(Block.SPECIMEN)[0]
+TERM, OTHER_TERM = general_terms(Block.SPECIMEN)[:2]
+HYSTERESIS = find_effect("hysteresis")
 
 
 def errors(energies, *, foretold=None, units=None):
@@ -359,14 +360,22 @@ def test_noise_judges_only_where_a_few_effects_can_leave_it(monkeypatch, share_l
     assert next(shares, None) is None
 
 
-@pytest.mark.parametrize(("second", "twins_tried"), [(VISCOUS, [(CUBIC,)]), (TERM, [(CUBIC,)])])
-def test_others_are_tried_in_the_place_of_effects_but_for_the_main_one_of_the_library(second, twins_tried):
-    """Without the spring more is missed than without the damper, and less than without the term."""
-    training = {(): 100.0, (CUBIC,): 60.0, (second,): 50.0, (CUBIC, second): 20.0}
-    left_out = {(): 1.0, (CUBIC,): 0.6, (second,): 0.7 if second is VISCOUS else 0.5, (CUBIC, second): 0.2}
-    models = SearchByParts(training, left_out)
-    models.problem.block = SimpleNamespace(linear=(), candidates=(CUBIC, VISCOUS, TERM), outside=())
-    calls = []
-    models._children = lambda parents, *_: calls.append(parents[0].space.effects)  # noqa: SLF001
+@pytest.mark.parametrize(
+    ("best", "tried"),
+    [
+        ((CUBIC, TERM), {(TERM,): {HYSTERESIS}, (CUBIC,): {HYSTERESIS, OTHER_TERM}}),
+        ((CUBIC,), {}),
+        ((CUBIC, VISCOUS), {}),
+    ],
+)
+def test_others_are_tried_in_the_place_of_each_effect_beside_another(best, tried):
+    """Of the library in that of its main one; in that of a single one they were tried before."""
+    left_out = {(): 1.0, (CUBIC,): 0.6, (TERM,): 0.5, (VISCOUS,): 0.9} | {best: 0.2}
+    models = SearchByParts({effects: 100.0 * error for effects, error in left_out.items()}, left_out)
+    models.problem.block = SimpleNamespace(
+        linear=(VISCOUS,), candidates=(CUBIC, HYSTERESIS), outside=(TERM, OTHER_TERM)
+    )
+    calls = {}
+    models._children = lambda parents, kinds, _: calls.update({parents[0].space.effects: set(kinds)})  # noqa: SLF001
     models._try_rivals()  # noqa: SLF001 - what is tested
-    assert calls == twins_tried
+    assert calls == tried

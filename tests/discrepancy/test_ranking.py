@@ -18,6 +18,7 @@ from reliab.discrepancy.naming.choice import (
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.registry import find_effect
 
+NOTHING_LINEAR = SimpleNamespace(block=SimpleNamespace(linear=()))
 STROKE, COMMAND = find_effect("stroke_saturation"), find_effect("command_saturation")
 BACKLASH = find_effect("backlash")
 
@@ -37,7 +38,9 @@ def test_winning_by_one_test_is_less_probable_than_by_all():
     def sure_of(energies):
         rival, first = model(BACKLASH, 0.0), model(STROKE, 0.0)
         errors_by_model = {id(rival): errors(np.ones(4)), id(first): errors(energies)}
-        search = SimpleNamespace(observations=72.0, error=lambda fit: errors_by_model[id(fit)])
+        search = SimpleNamespace(
+            observations=72.0, error=lambda fit: errors_by_model[id(fit)], problem=NOTHING_LINEAR
+        )
         no_test = LeftOut(
             energies=np.zeros(0), signals=np.zeros(0), units=np.zeros(0), foretold=np.zeros(0, dtype=bool)
         )
@@ -55,9 +58,28 @@ def test_held_out_tests_count_as_left_out_ones_do():
     rival, first = model(BACKLASH, 0.0), model(STROKE, 0.0)
     good, bad = errors([0.5, 0.5, 0.5, 0.5]), errors([2.0, 2.0, 2.0, 2.0])
     errors_by_model = {id(rival): good, id(first): bad}
-    search = SimpleNamespace(observations=10.0, error=lambda fit: errors_by_model[id(fit)])
+    search = SimpleNamespace(
+        observations=10.0, error=lambda fit: errors_by_model[id(fit)], problem=NOTHING_LINEAR
+    )
     shares = _shares_of_parts(search, [rival, first], [bad, good], 10.0)
     assert shares[1] == pytest.approx(0.5, abs=0.1)
+
+
+def test_effect_is_no_more_probable_for_being_tried_with_linear_ones_too():
+    """Of four models that are equally good three hold softening, and differ in linear effects only."""
+    damper, mass = find_effect("viscous_damping"), find_effect("added_mass")
+    softening, cubic = find_effect("softening"), find_effect("cubic_stiffness")
+    kinds = [(softening,), (softening, damper), (softening, mass), (cubic, damper)]
+    models = [SimpleNamespace(space=SimpleNamespace(effects=effects)) for effects in kinds]
+    search = SimpleNamespace(
+        observations=10.0,
+        error=lambda _fit: errors(np.ones(4)),
+        problem=SimpleNamespace(block=SimpleNamespace(linear=(damper, mass))),
+    )
+    shares = _shares_of_parts(search, models, [errors(np.ones(4))] * 4, 10.0)
+    assert shares[1] == pytest.approx(shares[2])
+    assert shares[1] == pytest.approx(shares[3] / 3.0)  # each effect costs as much
+    assert shares[0] == pytest.approx(np.e * shares[1])
 
 
 @pytest.mark.parametrize(

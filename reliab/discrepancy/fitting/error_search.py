@@ -93,7 +93,10 @@ class ErrorSearch(Search):
         return self.best
 
     def _try_rivals(self) -> None:
-        """Try others, and terms outside the library, in the place of each effect but the main one of it."""
+        """Try others in the place of each effect of the best model beside the others.
+
+        In the place of the main one of the library these are of the library, too: a term has no name.
+        """
         (model,) = self._first(1)
         block, effects = self.problem.block, model.space.effects
         known_kinds = {*effects, *(kind.refines for kind in effects)}
@@ -102,8 +105,9 @@ class ErrorSearch(Search):
         library = [kind for kind in smaller if not is_general(kind)]
         main = max(library, key=lambda kind: self._error(smaller[kind]), default=None)
         for kind, parent in smaller.items():
-            if kind is not main:
-                self._children([parent], others, _RIVALS)
+            rivals = [other for other in others if kind is not main or not is_general(other)]
+            if len(smaller) > 1:  # in the place of a single one they were tried at first
+                self._children([parent], rivals, _RIVALS)
 
     def _children(self, parents: Sequence[Fit], kinds: Sequence[type[Effect]], trials: int) -> list[Fit]:
         """Models with one more effect, those of the smallest error first."""

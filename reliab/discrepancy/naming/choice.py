@@ -108,7 +108,9 @@ def _shares_of_parts(
 
     The parts are a few of all that could have been run. Their weights are drawn anew from the flat Dirichlet
     distribution (the Bayesian bootstrap), and probabilities are averaged over the draws, so that a model that
-    wins by a single part is not certain (pseudo-BMA+ of Yao and others, 2018, doi:10.1214/17-BA1091).
+    wins by a single part is not certain (pseudo-BMA+ of Yao and others, 2018, doi:10.1214/17-BA1091). Models
+    that differ in nothing but linear effects share one prior: no effect is more probable because it was tried
+    with and without a damper.
     """
     errors = np.stack(
         [
@@ -120,7 +122,13 @@ def _shares_of_parts(
     likelihoods = (
         -0.5 * (search.observations + held_out_observations) * np.log(np.maximum(weights @ errors.T, 1e-300))
     )
-    costs = np.array([cost_beside_error(model.space.effects) for model in models])
+    kinds = [frozenset(model.space.effects).difference(search.problem.block.linear) for model in models]
+    costs = np.array(
+        [
+            cost_beside_error(model.space.effects) + np.log(kinds.count(own))
+            for model, own in zip(models, kinds, strict=True)
+        ]
+    )
     return np.asarray(_softmax(likelihoods - costs).mean(axis=0))
 
 

@@ -240,17 +240,22 @@ class _Naming:
         """Models that hold one other effect in the place of this one.
 
         The same effect at another place along the block is none of them: left-out tests or the likelihood
-        decide where it acts, and no probability is stated of that.
+        decide where it acts, and no probability is stated of that. Linear effects, which every model of an
+        error may hold, make no other model of it.
         """
+        linear = set(self.search.problem.block.linear if isinstance(self.search, ErrorSearch) else ())
         other_effects = set(self.best.space.effects) - {effect}
-        rivals: list[Rival] = []
+        rows_by_name: dict[str, list[RankedModel]] = {}
         for row in self.ranked:
             effects = set(row.fit.space.effects)
-            added_effects = effects - other_effects
+            added_effects = effects - other_effects - (linear - {effect})
             names = {rival.label() for rival in added_effects}
-            if other_effects <= effects and len(added_effects) == 1 and names != {effect.label()}:
-                (name,) = names
-                rivals.append(self._rival(name, row.probability, row.fit))
+            if other_effects - linear <= effects and len(added_effects) == 1 and names != {effect.label()}:
+                rows_by_name.setdefault(names.pop(), []).append(row)
+        rivals = [
+            self._rival(name, sum(row.probability for row in rows), rows[0].fit)
+            for name, rows in rows_by_name.items()
+        ]
         return tuple(rivals[:_RIVALS])
 
     def _offset(self, effect: type[Effect]) -> MissingEffect:
