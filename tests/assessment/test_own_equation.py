@@ -163,7 +163,7 @@ def skewed_assessments(ground_motions, simulate_rig):
     """Judge a test whose measured displacement was recorded late, by steps of 0.244 ms."""
     motion = ground_motions[3]
 
-    def ask(*, delay, late=0, force_case=False, stated_ratio=0.02):
+    def ask(*, delay, late=0, force_case=False, stated_ratio=0.02, has_ground=True):
         test = simulate_rig(
             motion.acceleration, motion.time_step, seconds=30.0, delay=delay, rate=4096.0, db=200.0
         )
@@ -177,7 +177,7 @@ def skewed_assessments(ground_motions, simulate_rig):
             command=test.command[places],
             measured=noisy(test.measured[np.clip(places - late, 0, test.measured.size - 1)]),
             time_step=EVERY / 4096.0,
-            ground=test.ground[places],
+            ground=test.ground[places] if has_ground else None,
             force=noisy(MASS * (2.0 * np.pi) ** 2 * test.measured[places]) if force_case else None,
         )
         stated_values = {"mass": StatedValue(MASS)} if force_case else {}
@@ -199,6 +199,15 @@ def test_a_skew_or_a_wrong_damping_ratio_leaves_the_verdict_open(
     _, result = skewed_assessments(delay=delay, late=late, force_case=force_case, stated_ratio=stated_ratio)
     assert result.verdict == "undecided"
     assert any("state how uncertain it is" in remedy for remedy in result.would_decide)
+
+
+@pytest.mark.parametrize(("late", "wrong"), [(-4, ("skew",)), (0, ()), (4, ("skew",))])
+def test_a_force_alone_shows_the_skew_of_the_channels(skewed_assessments, late, wrong):
+    _, result = skewed_assessments(delay=GOOD, late=late, force_case=True, has_ground=False)
+    assert result.equation.wrong == wrong
+    skew = 1e3 * late / 4096.0
+    sentences = result.equation.contradictions
+    assert [abs(float(text.split()[9]) - skew) < 0.03 for text in sentences] == [True] * len(wrong)
 
 
 @pytest.mark.default_cases(2)
