@@ -230,7 +230,8 @@ def asks(*questions: type, as_stated: bool = False) -> Callable[[_Function], _Fu
             if unknown := keywords.keys() - parameters.keys() - options.keys():
                 raise TypeError(f"{function.__name__}() has no argument {', '.join(sorted(unknown))}")
             positional = [*map(check, parameters, values), *values[len(parameters) :]]
-            arguments = {name: check(name, value) for name, value in keywords.items()}
+            in_order = (name for name in {**parameters, **options} if name in keywords)
+            arguments = {name: check(name, keywords[name]) for name in in_order}
             return function(*positional, **{**defaults, **arguments})
 
         option_parameters = (
