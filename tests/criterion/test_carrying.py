@@ -187,8 +187,8 @@ def test_another_error_than_rms_is_refused():
 
 
 @pytest.mark.parametrize("duration", [0.0, -3.0, np.inf])
-def test_a_length_must_be_positive(duration):
-    with pytest.raises(InputError, match="must be positive"):
+def test_a_length_must_be_positive_and_finite(duration):
+    with pytest.raises(InputError, match=r"must be (positive|finite)"):
         carry_to_length(add_quiet_ends(population(np.random.default_rng(9), events=2)[0]), duration)
 
 

@@ -135,7 +135,7 @@ def test_two_like_actuators_have_the_criterion_and_the_rig_of_one(records, tmp_p
     [
         (TWO_ACTUATORS, 3, "the structure has 2"),
         (TWO_ACTUATORS, 0, "the structure has 2"),
-        (FRAME, 2, "one of the structure's 1"),
+        (FRAME, 2, "the structure has 1"),
         (None, 1, "needs the `structure` of a frame"),
     ],
 )

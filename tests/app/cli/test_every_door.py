@@ -70,7 +70,7 @@ SERVICES: dict[str, Any] = {
 REPORT_OPTIONS = {"title", "date", "paper", "laboratory", "logo"}
 CHOOSE_A_SERVICE = {"list_all", "calibration", "rebuilt_error", "check", "figure", "details"}
 PLURAL_NAMES = {"sources": "source", "attribute": "attributes"}
-PYTHON_ARGUMENTS = {"show", "tell", "say", "addition"}
+PYTHON_ARGUMENTS = {"show", "tell", "say", "addition", "progress"}
 
 
 def command_of(name):

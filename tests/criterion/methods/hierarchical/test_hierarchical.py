@@ -113,7 +113,7 @@ def test_posterior_law_is_the_requested_law(ellipses, fit):
     assert not fit.lag.learned.model.has_curvature
     quick = HierarchicalNormal(steps=20)
     assert derivation(ellipses, quick, law=Dimensionless).lag.learned.model.has_curvature
-    with pytest.raises(InputError, match="law inside"):
+    with pytest.raises(InputError, match="do not take this law"):
         derivation(ellipses, quick, law=Exponential)
 
 
