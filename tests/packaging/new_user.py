@@ -61,6 +61,7 @@ class Newcomer:
             "MPLBACKEND": "Agg",
             "NUMBA_CACHE_DIR": str(folder / "kernels"),
             "PATH": os.pathsep.join([str(self.programs), os.environ["PATH"]]),
+            "PYTHONPATH": str(SITE),  # cells that the site hides import what shows answers there
         }
 
     def install(self) -> Step:
