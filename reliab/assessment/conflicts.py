@@ -10,7 +10,6 @@ from reliab.assessment.inference.uncertain_quantity import Prior, Shape
 from reliab.assessment.verdict import Contradiction
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI
 from reliab.structures.structure import Structure
 
 _FAR = 3.0  # standard deviations of what the prior lets expect
@@ -134,20 +133,15 @@ def open_exact(
     """
     known, usual = posterior.circumstances, ordinary_equipment()
     force, stated = known.specimen_force, {unknown.name for unknown in posterior.unknowns}
-    # of a structure that is all specimen a force alone shows the share
-    has_share = force or bool(known.partition.numerical_stiffness.any())
-    usual_deviations = {
-        "frequency": usual.f,
-        "damping_ratio": usual.xi,
-        "experimental_fraction": usual.alpha if has_share else 0.0,
-        "feedback_lag": usual.feedback_lag_ms / MILLI,
-        "time_shift": usual.skew(known.channels.band.record_step),
-    }
-    for names in (*[_STRUCTURE] * has_ground, *[_LAG] * (has_ground and force), *[_SKEW] * force):
+    sizes = {quantity.name: quantity.ordinary(known, usual) for quantity in QUANTITIES}
+    if force:  # which shows the share of a structure that is all specimen, too
+        sizes["experimental_fraction"] = usual.alpha
+    shown = {_STRUCTURE: has_ground, _LAG: has_ground and force, _SKEW: force}
+    for names in (names for names, is_shown in shown.items() if is_shown):
         priors = {
-            quantity.name: Prior(deviation=usual_deviations[quantity.name], shape=quantity.shape)
+            quantity.name: Prior(deviation=sizes[quantity.name], shape=quantity.shape)
             for quantity in QUANTITIES
-            if quantity.name in names and quantity.name not in stated and usual_deviations[quantity.name]
+            if quantity.name in names and quantity.name not in stated and sizes[quantity.name]
         }
         yield infer(replace(known, learned={**priors, **known.learned})), tuple(priors)
 

@@ -52,7 +52,7 @@ class JudgedError:
     turning: Turning  # What was not stated and would turn the verdict
     column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
     verdict: Verdict  # By the error alone
-    stability_margin: float | None = None  # None where the loop is unstable with any delay
+    stability_margin: float | None = 1.0  # None where the loop is unstable with any delay
     placement: "OwnPlacement | None" = (
         None  # Against the boundary of its own ground motion, where it is given
     )
