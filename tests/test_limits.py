@@ -116,7 +116,7 @@ def test_draws_of_a_test_take_little_more_than_their_own_memory():
     current, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     draws = 256 * time.nbytes
-    assert error.every == 1
+    assert error.inferred.every == 1
     assert peak < 2.2 * draws
     assert current < 0.7 * draws
 

@@ -136,11 +136,6 @@ class CoupledError:
     inferred: InferredError  # Draws of everything that is uncertain, and what they say of the errors
 
     @property
-    def every(self) -> int:
-        """Number of samples of which one was drawn."""
-        return self.inferred.every
-
-    @property
     def command(self) -> Array:
         """x_c at the interface [m], shape (p, n)."""
         return self.histories.carry_to_interface(self.histories.command)

@@ -1,6 +1,6 @@
 """The error of one test, rebuilt from its command and measured displacement."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, overload
@@ -211,10 +211,6 @@ class ErrorOfTest(ErrorWithThreshold):
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
         return (self.specimen or self.rebuilt).widenings(self.metric)
-
-    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
-        """Draw structures, with their responses without actuator errors at swept samples [m], (1, m)."""
-        return self.rebuilt.exact()
 
 
 def part_in_words(name: str) -> str:

@@ -123,9 +123,9 @@ class ErrorWithThreshold(PlainResult, ABC):
     def widenings(self) -> tuple[Widening, ...]:
         """What widens the interval, the widest first."""
 
-    @abstractmethod
     def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
         """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
+        return self.rebuilt.inferred.exact()
 
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
@@ -184,10 +184,6 @@ class ErrorOfSeveral(ErrorWithThreshold):
         if self.governing is None:
             return ()
         return self.rebuilt.inferred.widenings(self.metric, self.displacements.index(self.governing))
-
-    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
-        """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
-        return self.rebuilt.inferred.exact()
 
     def probability_of(self, degree: "DegreeError") -> float:
         """Probability that the error of one displacement stays below the threshold."""

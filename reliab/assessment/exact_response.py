@@ -93,11 +93,11 @@ def exact_test(
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
         for structure, response in error.exact_draws():
-            yield _linear(_scale_by_mass(structure, mass), response, rebuilt.every * step)
+            yield _linear(_scale_by_mass(structure, mass), response, rebuilt.inferred.every * step)
 
     return ExactTest(
         time_step=step,
-        every=rebuilt.every,
+        every=rebuilt.inferred.every,
         interface=("",) if isinstance(error, ErrorOfTest) else rebuilt.structure.names,
         degrees=degrees,
         ground=ground,

@@ -33,7 +33,7 @@ in time, or a force that is fed back late looks exactly like an actuator error: 
 and the interval includes it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,18 +74,9 @@ class RebuiltError(DisplacementError):
     inferred: InferredError  # Draws of everything that is uncertain, and what they say of the error
 
     @property
-    def every(self) -> int:
-        """Number of samples of which one was drawn."""
-        return self.inferred.every
-
-    @property
     def command(self) -> Array:
         """x_c at the interface [m], shape (1, n)."""
         return self.histories.command[np.newaxis]
-
-    def exact(self) -> Iterator[tuple[Partition, Array]]:
-        """Structures, and responses without actuator errors [m], shape (1, m), draw by draw."""
-        return self.inferred.exact()
 
     def parts(self) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force."""

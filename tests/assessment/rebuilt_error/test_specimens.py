@@ -200,7 +200,7 @@ def test_a_frame_of_one_degree_of_freedom_is_its_structure():
 def test_motion_between_simulated_samples_counts(outcome):
     """Simulated at twice the step without anything unknown, the errors are those of all samples."""
     fine = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=2)
-    test = replace(fine.inferred.test, every=2 * fine.every)
+    test = replace(fine.inferred.test, every=2 * fine.inferred.every)
     error, exact = test.on_record(test.solve(fine.inferred.posterior.mode))[:, 0]
     peak = np.abs(fine.reference).max()
     assert np.abs(exact).max() == pytest.approx(peak, rel=2e-3)
