@@ -119,7 +119,7 @@ def _apply_intervals(effect: MissingEffect, posterior: Posterior) -> MissingEffe
         value, spread_between = estimate.value, NORMAL_REACH_90 * estimate.between
         low = value - math.hypot(value - min(low, value), spread_between)
         high = value + math.hypot(max(high, value) - value, spread_between)
-        interval = (low if estimate.signed else max(low, 0.0), high)
+        interval = estimate.within_bounds((low, high))
         estimates.append(replace(estimate, sd=math.hypot(sd, estimate.between), interval=interval))
     return replace(effect, estimates=tuple(estimates))
 

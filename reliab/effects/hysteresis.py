@@ -79,7 +79,7 @@ class Hysteresis(SteppedEffect):
         Parameter(
             name="lost_share",
             units="-",
-            meaning="share of the hysteretic part's elastic stiffness that the linear spring has lost",
+            meaning="share of elastic stiffness that the linear spring has lost",
             signed=True,
             typical=1.0,
             lower=-1e-9,

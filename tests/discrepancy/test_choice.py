@@ -84,6 +84,18 @@ def test_effect_without_gain_on_held_out_tests_has_no_name(selection, error_with
     assert [kind for kind, *_ in choice.unchanging] == ([] if names else [HYSTERESIS])
 
 
+@pytest.mark.parametrize(("error_of_rival", "is_kept"), [(0.20, True), (0.205, False)])
+def test_little_effect_stays_if_another_simple_model_would_win_without_it(selection, error_of_rival, is_kept):
+    """It takes 4.5 % off the error, so that it is left out unless a rival is 2 % better than the model then."""
+    both = row(HYSTERESIS, CUBIC, share=0.9, left_out=0.1, held_out=0.2)
+    single = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.209)
+    rival = row(POWER, left_out=0.3, held_out=error_of_rival)
+    cubic = row(CUBIC, left_out=0.6, held_out=0.7)
+    choice = selection(both, single, rival, cubic, CALIBRATION)
+    assert choice.best is (both if is_kept else single)
+    assert choice.sure == {HYSTERESIS}
+
+
 def test_minor_effect_refines_the_model_without_a_name(selection):
     both = row(HYSTERESIS, CUBIC, share=0.99, left_out=0.1, held_out=0.20)
     choice = selection(
@@ -246,4 +258,9 @@ def test_special_forms_of_an_effect_share_its_probability():
 def test_best_rival_lacks_one_of_the_effects():
     both, single = row(HYSTERESIS, CUBIC, held_out=0.1), row(HYSTERESIS, held_out=0.3)
     larger = row(HYSTERESIS, CUBIC, POWER, held_out=0.05)
-    assert best_rival((larger, both, single, CALIBRATION), both) is single
+    assert best_rival((larger, both, single, CALIBRATION), (HYSTERESIS, CUBIC)) is single
+
+
+def test_best_rival_holds_no_other_form_of_the_effect():
+    degrading, power = row(DEGRADING, held_out=0.1), row(POWER, held_out=0.3)
+    assert best_rival((degrading, power), (HYSTERESIS,)) is power

@@ -140,6 +140,7 @@ def test_restated_damping_is_calibrated_with_both_uncertainties():
     )
     space = SimpleNamespace(
         block=block, size=2, effects=(StatedDamping,), places=lambda _effect: slice(1, 2),
+        bounds=(np.full(2, -10.0), np.full(2, 10.0)),
         values=lambda x: np.array([1.0 + 0.01 * x[0], 100.0 * x[1]]),
         standard_deviations=lambda _x, c: np.array([0.01, 100.0]) * np.sqrt(np.diag(c)),
         covariance_of_values=lambda _x, c: np.diag([0.01, 100.0]) @ c @ np.diag([0.01, 100.0]),

@@ -17,12 +17,10 @@ from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
+from reliab.discrepancy.result.gap import NO_CHANGE
 from reliab.discrepancy.terms import ClockOffset, StatedDamping
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
-
-NO_CHANGE = 0.02
-"""Change of the error on held-out tests, over the error, below which an effect changes nothing."""
 
 SURE = 0.9
 """Probability from which an effect is named."""
@@ -175,10 +173,9 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
     unchanging: list[tuple[type[Effect], float, float]] = []
-    while (idle := _idle(search, rows, best, proof, slack * least)) is not None:
+    while idle := _idle(search, rows, best, proof, min(slack * least, _least_of_rivals(search, rows, best))):
         kind, smaller = idle
-        is_idle = smaller.held_out <= slack * least
-        if is_idle and (kind not in search.problem.block.linear or not isinstance(search, ErrorSearch)):
+        if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
     best, sure, doubtful = _split_by_certainty(search, rows, best)
@@ -194,10 +191,13 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
     )
 
 
-def best_rival(rows: Sequence[RankedModel], best: RankedModel) -> RankedModel | None:
-    """Find the model of the smallest error on held-out tests that lacks one of a model's effects."""
-    effects = set(best.names)
-    rivals = [row for row in rows if not effects <= set(row.names)]
+def best_rival(rows: Sequence[RankedModel], effects: Sequence[type[Effect]]) -> RankedModel | None:
+    """Find the model of the smallest error on held-out tests that lacks some effect in whichever form."""
+    rivals = [
+        row
+        for row in rows
+        if not all(any(_kinds(kind) & _kinds(other) for other in row.fit.space.effects) for kind in effects)
+    ]
     return min(rivals, key=lambda row: row.held_out, default=None)
 
 
@@ -232,17 +232,35 @@ def remarks_on(choice: Choice) -> Iterator[str]:
 
 
 def find_sustained(rows: Sequence[RankedModel]) -> RankedModel:
-    """Find the most probable model that predicts held-out tests as well as any that explains the fitted ones.
+    """Find the most probable model that predicts held-out tests as well as any that explains the others."""
+    explaining = _explaining(rows)
+    least = min(row.held_out for row in explaining)
+    return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
 
-    A model explains them that takes off half of what the best one takes off the error of the worst on
-    left-out parts.
+
+def _explaining(rows: Sequence[RankedModel]) -> list[RankedModel]:
+    """Models that explain the fitted tests.
+
+    They take off half of what the best one takes off the error of the worst on left-out parts.
     """
     squares = np.array([row.left_out**2 for row in rows])
     worst = max(row.left_out**2 for row in rows if not row.fit.space.effects)
     limit = worst - _EXPLAINS * (worst - squares.min())
-    explaining = [row for row, square in zip(rows, squares, strict=True) if square <= limit]
-    least = min(row.held_out for row in explaining)
-    return next(row for row in explaining if row.held_out <= (1.0 + NO_CHANGE) * least)
+    return [row for row, square in zip(rows, squares, strict=True) if square <= limit]
+
+
+def _least_of_rivals(search: Search, rows: Sequence[RankedModel], best: RankedModel) -> float:
+    """Error on held-out tests that a model with an effect less must reach so that no other one beats it."""
+    if not isinstance(search, ErrorSearch):
+        return np.inf
+    linear = set(search.problem.block.linear)
+    most = len(set(best.fit.space.effects) - linear)
+    rivals = [
+        row.held_out
+        for row in _explaining(rows)
+        if len(set(row.fit.space.effects) - linear) < most and not any(map(is_general, row.fit.space.effects))
+    ]
+    return (1.0 + NO_CHANGE) * min(rivals, default=np.inf)
 
 
 def _place_effects(search: ErrorSearch, best: RankedModel, proof: Problem) -> RankedModel:

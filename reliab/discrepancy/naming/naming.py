@@ -149,7 +149,8 @@ class _Naming:
 
     def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""
-        linear, rival = self.search.linear, best_rival(self.ranked, self.choice.best)
+        linear = self.search.linear
+        rival = best_rival(self.ranked, self.kinds or self.best.space.effects)
         error = self._error(linear) if linear.space.effects else measured_gap.before
         if rival is None:
             return replace(measured_gap, linear=error)

@@ -17,7 +17,8 @@ FLOOR_EXCESS = 2.0
 """Times the noise floor from which a remainder is called an effect: three quarters of its energy are then no
 noise."""
 
-_NO_CHANGE = 0.98  # of an error: effects that leave more of it change nothing
+NO_CHANGE = 0.02
+"""Change of the error on held-out tests, over the error, below which an effect changes nothing."""
 
 _ERRORS: Final[Keys] = {
     "nrmse_before": "before",
@@ -166,9 +167,11 @@ class Gap(PlainResult):
     @property
     def conclusion(self) -> str:
         """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
-        if self.is_noise_before and not (self.missing and self.after < _NO_CHANGE * self.before):
+        if self.is_noise_before and not (self.missing and self.after < (1.0 - NO_CHANGE) * self.before):
+            effect = ", and the effect does not show there" if self.missing else ""
             return (
                 "the error of the calibrated model is at the level of the noise: there is nothing to explain"
+                f"{effect}"
             )
         if not self.missing:
             cause = "above the noise" if self.floor is not None else "of unknown cause"

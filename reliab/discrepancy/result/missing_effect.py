@@ -10,6 +10,7 @@ import numpy as np
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.result.gap import NO_CHANGE
 from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.effect import Effect, Parameter
 
@@ -83,11 +84,17 @@ class Estimate(PlainResult):
     interval: tuple[float, float] | None = None
     signed: bool = False  # Whether it may be negative, so that zero is a value like any other
     between: float = 0.0
+    bounds: tuple[float, float] = (-math.inf, math.inf)  # Range in which it was sought
 
     @property
     def determined(self) -> bool:
         """Whether the tests say how large it is: its deviation is below it where it is positive."""
         return self.signed or self.sd < self.value
+
+    def within_bounds(self, interval: tuple[float, float]) -> tuple[float, float]:
+        """Cut an interval at the ends of the range, below zero too unless it is signed."""
+        least, largest = self.bounds
+        return max(interval[0], least if self.signed else max(least, 0.0)), min(interval[1], largest)
 
     @property
     def size(self) -> str:
@@ -99,9 +106,7 @@ class Estimate(PlainResult):
         if not self.determined:
             return "not determined"
         reach = NORMAL_REACH_90 * self.sd
-        low, high = self.interval or (self.value - reach, self.value + reach)
-        if not self.signed:
-            low = max(low, 0.0)
+        low, high = self.within_bounds(self.interval or (self.value - reach, self.value + reach))
         scale, unit = readable_unit(self.units, max(abs(self.value), abs(low), abs(high)))
         value, interval = value_and_interval(self.value / scale, low / scale, high / scale)
         is_power = unit.startswith("·")
@@ -153,6 +158,16 @@ class MissingEffect(PlainResult):
         return (self.member or self.effect).label()
 
     @property
+    def changes_held_out(self) -> bool:
+        """Whether the error on held-out tests is smaller with it."""
+        return self.error_with < (1.0 - NO_CHANGE) * self.error_without
+
+    @property
+    def description(self) -> str:
+        """The effect in words."""
+        return (self.member or self.effect).description
+
+    @property
     def split_members(self) -> "tuple[MissingEffect, ...]":
         """The effect, or each member of a composition with its parameters, the first with what is left."""
         first, *others = self.effect.members or (None,)
@@ -167,6 +182,7 @@ class MissingEffect(PlainResult):
         return replace(
             self,
             member=member,
+            rivals=tuple(rival for rival in self.rivals if rival.name != member.label()),
             estimates=tuple(estimate for estimate in self.estimates if estimate.name in own_names),
             on_bounds=tuple(name for name in self.on_bounds if name in own_names),
         )
@@ -233,6 +249,7 @@ def estimates(effect: type[Effect], fit: Fit) -> tuple[Estimate, ...]:
 def _estimates(fit: Fit, parameters: Sequence[Parameter], places: slice) -> tuple[Estimate, ...]:
     values = fit.space.values(fit.coordinates)[places].tolist()
     spread = fit.space.standard_deviations(fit.coordinates, fit.covariance)[places].tolist()
+    ranges = zip(*(fit.space.values(bound)[places].tolist() for bound in fit.space.bounds), strict=True)
     return tuple(
         Estimate(
             name=parameter.name,
@@ -241,8 +258,9 @@ def _estimates(fit: Fit, parameters: Sequence[Parameter], places: slice) -> tupl
             units=parameter.units,
             meaning=parameter.meaning,
             signed=parameter.signed,
+            bounds=bounds,
         )
-        for parameter, value, sd in zip(parameters, values, spread, strict=True)
+        for parameter, value, sd, bounds in zip(parameters, values, spread, ranges, strict=True)
     )
 
 

@@ -1,9 +1,8 @@
 """Figures of a diagnosis: the loop, the gap, histories, posteriors, residuals over state and frequency."""
 
-import textwrap
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -57,10 +56,10 @@ _LOOKS: Final[dict[str, dict[str, Any]]] = {
     "sound": {"facecolor": "white", "edgecolor": BLUE, "linewidth": 1.2},
     "unseen": {"facecolor": "white", "edgecolor": GREY, "linewidth": 1.0, "linestyle": (0, (3, 2))},
 }
-_HISTORIES_HEIGHT = 62.0
-_SIDE, _LARGEST = 40.0, 160.0
+_HISTORIES_HEIGHT = 76.0
+_SIDE, _LARGEST, _NARROWEST = 36.0, 160.0, 90.0
+_NAME_PAD = 0.1  # inches, for the names above the panels
 _BINS = 30
-_LONGEST_LINE = 24
 _INTERVAL = (0.05, 0.95)
 _SHARES = (0.9, 0.5)  # of the draws inside the contours
 _STATE_PLANE_HEIGHT = 66.0
@@ -241,11 +240,12 @@ def discrepancy_histories(history: ModelledHistory) -> Figure:
 def discrepancy_posterior(names: Sequence[str], draws: NDArray[np.float64]) -> Figure:
     """Draw every parameter and every pair of them.
 
-    Returns densities with 90 % intervals on the diagonal, contours of 50 and 90 % below it.
+    Returns densities with 90 % intervals on the diagonal, each under its name, contours of 50 and 90 % below.
     """
     count = len(names)
     size = min(_SIDE * count + 20.0, _LARGEST)
-    figure, axes = panels(count, count, height=min(size, 0.9 * _LARGEST), width=size)
+    figure, axes = panels(count, count, height=min(size, 0.9 * _LARGEST), width=max(size, _NARROWEST))
+    figure.set_layout_engine("constrained", h_pad=_NAME_PAD)
     for row in range(count):
         for column in range(count):
             place = axes[row, column]
@@ -256,7 +256,13 @@ def discrepancy_posterior(names: Sequence[str], draws: NDArray[np.float64]) -> F
                 _draw_histogram(place, draws[:, row])
             else:
                 _pair(place, draws[:, column], draws[:, row])
-            _label_axes(place, names, row, column)
+            place.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
+            place.locator_params(axis="x", nbins=3)
+            place.ticklabel_format(useOffset=False, axis="x")
+            place.tick_params(axis="x", rotation=30.0)
+        # A name stands in the free half above the diagonal, where it collides with nothing.
+        side: Literal["left", "right"] = "right" if row and row == count - 1 else "left"
+        axes[row, row].set_title(plain(names[row], longest=80), loc=side, fontsize=8.0, in_layout=False)
     return figure
 
 
@@ -275,22 +281,6 @@ def _pair(place: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> None:
     levels = sorted({float(ordered[np.searchsorted(inside, share)]) for share in _SHARES})
     centres = (0.5 * (edges[1:] + edges[:-1]) for edges in (across, up))
     place.contour(*centres, counts.T, levels=levels, colors=INK, linewidths=0.8)
-
-
-def _label_axes(place: Axes, names: Sequence[str], row: int, column: int) -> None:
-    last = row == len(names) - 1
-    place.tick_params(labelbottom=last, labelleft=column == 0 and row > 0)
-    place.locator_params(axis="x", nbins=3)
-    place.ticklabel_format(useOffset=False, axis="x")
-    if last:
-        place.set_xlabel(_wrap_name(names[column]))
-        place.tick_params(axis="x", rotation=30.0)
-    if column == 0 and row > 0:
-        place.set_ylabel(_wrap_name(names[row]))
-
-
-def _wrap_name(name: str) -> str:
-    return "\n".join(plain(piece) for piece in textwrap.wrap(name, _LONGEST_LINE))
 
 
 @apply_style

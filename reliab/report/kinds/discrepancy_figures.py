@@ -270,7 +270,8 @@ def posterior_figure(diagnosis: Diagnosis, block: str, posterior: Posterior) -> 
         for k, (_, unit) in zip(places, readable, strict=True)
     ]
     caption = prose(
-        "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws.",
+        "Posterior of the effects in the {block}: 90 % intervals, and contours around 50 and 90 % of draws. "
+        "A name stands above the column of its parameter, at the end of its row.",
         block=block,
     )
     drawing = discrepancy_posterior(names, posterior.draws[:, places] / scales)

@@ -238,7 +238,7 @@ def _parameters(diagnosis: Diagnosis) -> Table:
 
 
 def _sentence(effect: MissingEffect) -> Prose:
-    name, description = spell_out(effect.name), effect.effect.description
+    name, description = spell_out(effect.name), effect.description
     listed = "; ".join(
         f"{spell_out(rival.name)} (probability {probability(rival.probability)}, error "
         f"{write_share_of_signal(rival.held_out_nrmse)})"
@@ -246,9 +246,11 @@ def _sentence(effect: MissingEffect) -> Prose:
     )
     alternatives = f"Alternatives, with their errors on held-out tests: {listed}."
     others = alternatives if listed else "No alternative remains."
+    shown = "" if effect.changes_held_out else " These hardly show it; the fitted ones do."
     return prose(
         "*{name}*{position}: {description}. With it {after} of the signal remains on held-out tests, without "
-        "it {before}. {others}",
+        "it {before}.{shown} {others}",
+        shown=shown,
         name=name,
         position=f" ({effect.effect.position})" if effect.effect.position else "",
         description=description,
