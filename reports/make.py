@@ -82,7 +82,7 @@ def assessment() -> bool:
 def verdict() -> bool:
     """Draw the histories of the sample test and its error, the first figure of the README."""
     judged = assess("sample_test", f=FREQUENCY, xi=DAMPING_RATIO)
-    figure = histories_figure(judged.error.rebuilt, judged.error.parts, judged.recording)
+    figure = histories_figure(judged.error.displacements[0], judged.error.parts, judged.recording)
     (HERE / "verdict.svg").write_bytes(svg(figure.drawing))
     return True
 

@@ -125,7 +125,7 @@ def test_error_is_drawn_over_time(verdict):
     axes = verdict.plot()
     time, error = axes.lines[0].get_data()
     assert time[-1] == pytest.approx(verdict.recording.duration)
-    np.testing.assert_allclose(error, 1e3 * verdict.error.rebuilt.smooth_error)
+    np.testing.assert_allclose(error, 1e3 * verdict.error.displacements[0].smooth_error)
 
 
 def test_a_suite_a_recording_a_campaign_and_rates_show_themselves(verdict):

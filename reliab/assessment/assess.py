@@ -286,7 +286,6 @@ def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
     if not (
         isinstance(recording, Recording)
         and isinstance(sound, Recording)
-        and isinstance(error, ErrorOfTest)
         and tracking is not None
         and criterion is not None
     ):

@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from reliab.assessment.error_of_test import CANCELLING, part_in_words
+from reliab.assessment.error_of_test import CANCELLING
+from reliab.assessment.parts import part_in_words
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, error_in_words, next_steps
 from reliab.core.significant_digits import (

@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from reliab.assessment.error_of_test import error_of_test
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.error_of_test import ErrorOfTest, error_of_test
 from reliab.assessment.inference.posterior import favours_frequency
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.rebuilt_error.spread import Estimate
@@ -60,7 +59,7 @@ _RANGE_EXCESS = 0.1  # of the measured range, by which the exact response may le
 _LATE = 5e-4  # s, by which a force may seem late
 
 
-def verdict_of_error(error: ErrorWithThreshold) -> Verdict:
+def verdict_of_error(error: ErrorOfTest) -> Verdict:
     """Judge a test by its own error alone; undecided where noise leaves nothing to be judged."""
     size = error.estimate(error.metric)
     if math.isnan(size.value):

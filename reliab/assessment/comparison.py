@@ -192,8 +192,9 @@ def subtract_errors(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> t
     they had nothing in common. A pair has the geometric mean of the weights of its two draws, so that kinds
     of draws, such as specimens that yielded, keep their share of the probability.
     """
-    errors, firsts = (test.rebuilt.draws.errors(metric) for test in (error, first))
-    weights, first_weights = (test.rebuilt.draws.weights for test in (error, first))
+    draws, first_draws = (test.displacements[0].draws for test in (error, first))
+    errors, firsts = draws.errors(metric), first_draws.errors(metric)
+    weights, first_weights = draws.weights, first_draws.weights
     count = min(errors.size, firsts.size)
     order = np.arange(count)
     if not _have_in_common(error, first):

@@ -1,28 +1,36 @@
-"""The error of one test, rebuilt from its command and measured displacement."""
+"""The error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from reliab.assessment.budget.sizes import Equipment, tolerances_of_structure
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
+from reliab.assessment.budget.sizes import (
+    Equipment,
+    PriorSource,
+    limit_certainty,
+    tolerances_of_structure,
+)
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.inferred_error import infer_errors
+from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.parts import ErrorPart, Parts
 from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.readings import require_lag
+from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
 from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.plain_values import Keys, PlainResult, same_names
+from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import MILLI, Metric
+from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition, whole_structure
@@ -34,26 +42,14 @@ if TYPE_CHECKING:
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
-PART_NAMES: Final[Mapping[str, str]] = {
-    "amplitude": "amplitude",
-    "delay": "delay",
-    "neither": "other tracking errors",
-    "fed_back_force": "lag of the fed-back force",
-}
-"""Parts of the error in words."""
+_PARTS: Final[Keys] = {"parts": "parts.by_name", "improve_first": "parts.first"}
+_NO_PARTS: Final = Parts(by_name={}, rms=0.0)
 
 CANCELLING = (
     "Improve first: no single part. The parts of the error cancel each other: removing any one of them "
     "would not make the error smaller."
 )
 """What is said where the removal of no part of an error makes it smaller."""
-
-_CAUSES: Final[Mapping[str, str]] = {
-    "gain": "gain of actuator {}",
-    "delay": "delay of actuator {}",
-    "cross_coupling": "motion of actuator {} that others cause",
-    "rest": "other tracking errors of actuator {}",
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -170,16 +166,62 @@ class Question:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorOfTest(ErrorWithThreshold):
-    """Error of a test with one actuator."""
+class ErrorOfTest(PlainResult):
+    """Error of a test; of several interface displacements the largest one."""
 
-    rebuilt: RebuiltError
-    damping_ratio: float  # ξ of the structure with which it was rebuilt [-]
+    keys: ClassVar[Keys] = {
+        "**": "of_several",
+        **same_names("rms", "mte", "interval_level", "probability"),
+        **_PARTS,
+        "would_decide": "would_decide",
+    }
+    interval_level = LEVEL
+
+    rebuilt: RebuiltError  # The error with its histories and draws
+    metric: Metric  # Which error is asked about
+    threshold: float  # Error with which it is compared [-]
+    ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
+    # What was learned of the specimen from its own force, where it is known by that only
+    specimen: "MeasuredSpecimen | None" = None
+    modelled: bool = False  # Whether a calibrated model says what the specimen does
 
     @property
-    def displacements(self) -> tuple[RebuiltError]:
-        """The error of the one interface displacement."""
-        return (self.rebuilt,)
+    def displacements(self) -> tuple[DisplacementError, ...]:
+        """Errors of the interface displacements, in their order."""
+        return self.rebuilt.displacements
+
+    @property
+    def has_several(self) -> bool:
+        """Whether there are several interface displacements."""
+        return len(self.displacements) > 1
+
+    @property
+    def governing(self) -> DisplacementError | None:
+        """The displacement with the largest error; None where all are lost in noise."""
+        return self.rebuilt.governing(self.metric)
+
+    @property
+    def of_several(self) -> dict[str, Any]:
+        """What is found of each of several displacements; nothing of an only one."""
+        if not self.has_several:
+            return {}
+        degrees = {degree.name: degree.to_dict() for degree in self.degrees_of_freedom}
+        return {
+            "degrees_of_freedom": degrees,
+            "governing": None if self.governing is None else self.governing.name,
+        }
+
+    @property
+    def inferred(self) -> InferredError | None:
+        """What the channels show of everything that is uncertain; None where the specimen is not linear."""
+        return None if self.modelled or self.specimen is not None else self.rebuilt.inferred
+
+    @property
+    def specimen_known(self) -> str:
+        """How the specimen is known: "stated" as linear, "modelled" or "measured"."""
+        if self.specimen is not None:
+            return "measured"
+        return "modelled" if self.modelled else "stated"
 
     @property
     def plain_specimen(self) -> dict[str, Any]:
@@ -195,49 +237,143 @@ class ErrorOfTest(ErrorWithThreshold):
 
     @property
     def reference(self) -> Array:
-        """Response without actuator errors, computed from the test [m], shape (n,)."""
-        return self.rebuilt.reference
+        """Response of an only displacement without actuator errors [m], shape (n,)."""
+        return self.displacements[0].reference
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """Error by one metric, with its 90 % interval [-]; of several displacements the largest one."""
+        return self.rebuilt.estimate(metric)
+
+    @property
+    def judged_estimate(self) -> Estimate:
+        """Error that is compared with the threshold [-]."""
+        return self.estimate(self.metric)
+
+    @property
+    def rms(self) -> Estimate:
+        """RMS^R with its 90 % interval [-]."""
+        return self.estimate(Metric.RMS)
+
+    @property
+    def mte(self) -> Estimate:
+        """MTE^R with its 90 % interval [-]."""
+        return self.estimate(Metric.MTE)
+
+    @property
+    def probability(self) -> float:
+        """Probability that the error asked about stays below the threshold.
+
+        Where sizes of what is unknown are assumed it is at most 0.99: rare sizes are not known so well.
+        """
+        return self._limit(self.rebuilt.probability(self.threshold, self.metric))
+
+    def _limit(self, probability: float) -> float:
+        return limit_certainty(probability, assumed=self.rebuilt.inferred.assumed)
+
+    @property
+    def displacement_suffix(self) -> str:
+        """Of which of several displacements the error is, to follow its name."""
+        return f" of {self.governing.name}" if self.has_several and self.governing is not None else ""
+
+    @property
+    def not_judged(self) -> tuple[str, ...]:
+        """Why the errors of some displacements are not judged, in sentences."""
+        return tuple(degree.refusal_reason for degree in self.displacements if not degree.judged)
+
+    @property
+    def largest_drawn(self) -> float:
+        """Largest error asked about among the draws [-]."""
+        return float(self.rebuilt.errors(self.metric).max())
 
     @cached_property
     def parts(self) -> Parts:
-        """Parts of the error: amplitude, delay, neither, and a late force."""
-        return (self.specimen or self.rebuilt).parts().subtract_noise(self.estimate(Metric.RMS).value)
+        """Parts of the error; none where all displacements are lost in noise."""
+        return _NO_PARTS if self.governing is None else self.parts_of(self.governing)
+
+    def parts_of(self, degree: DisplacementError) -> Parts:
+        """Parts of the error of one displacement."""
+        place = self.displacements.index(degree)
+        parts = self.rebuilt.division.parts(place) if self.specimen is None else self.specimen.parts()
+        return parts.subtract_noise(degree.rms.value)
 
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
-        """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
+        """Part of the error that an only actuator with this displacement [m] accounts for, shape (n,)."""
         return (self.specimen or self.rebuilt).part_of_tracking(followed_command)
+
+    def probability_of(self, degree: DisplacementError) -> float:
+        """Probability that the error of one displacement stays below the threshold."""
+        return self._limit(degree.probability(self.threshold, self.metric))
+
+    @property
+    def degrees_of_freedom(self) -> "list[ErrorOfDegree]":
+        """Errors of the interface displacements with their parts, the governing one first."""
+        ordered_displacements = sorted(self.displacements, key=lambda degree: degree is not self.governing)
+        return [
+            ErrorOfDegree(
+                name=degree.name,
+                rms=degree.estimate(Metric.RMS),
+                mte=degree.estimate(Metric.MTE),
+                probability=self.probability_of(degree),
+                parts=self.parts_of(degree),
+            )
+            if degree.judged
+            else ErrorOfDegree(name=degree.name, why_not=degree.refusal_reason)
+            for degree in ordered_displacements
+        ]
+
+    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
+        """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
+        return self.rebuilt.inferred.exact()
 
     @cached_property
     def widenings(self) -> tuple[Widening, ...]:
-        """What widens the interval, the widest first."""
-        return (self.specimen or self.rebuilt).widenings(self.metric)
+        """What widens the interval of the governing error, the widest first, if any is judged."""
+        if self.governing is None:
+            return ()
+        if self.specimen is not None:
+            return self.specimen.widenings(self.metric)
+        return self.rebuilt.inferred.widenings(self.metric, self.displacements.index(self.governing))
+
+    @cached_property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval, the largest contribution first."""
+        return self.rebuilt.inferred.budget(self.widenings)
+
+    @property
+    def would_decide(self) -> tuple[str, ...]:
+        """What would narrow the interval most, in a sentence; none where nothing widens it."""
+        if not self.widenings:
+            return ()
+        widest = self.widenings[0]
+        item = next(item for item in self.budget if item.name == widest.name)
+        if widest.deviation_for_half is None or item.unit != "%" or item.source is PriorSource.LEARNED:
+            return (item.remedy,)
+        half = significant(PERCENT * widest.deviation_for_half, 2)
+        return (f"Determine the {item.quantity} to {half} %: the interval is then half as wide.",)
 
 
-def part_in_words(name: str) -> str:
-    """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
-    for cause, words in _CAUSES.items():
-        if name.startswith("actuator_") and name.endswith(f"_{cause}"):
-            number = name.removeprefix("actuator_").removesuffix(f"_{cause}")
-            return words.format(number)
-    return PART_NAMES[name]
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorOfDegree(PlainResult):
+    """Error of one of several interface displacements with its parts, or why it is not judged."""
 
+    keys: ClassVar[Keys] = {
+        "judged": "judged",
+        "why_not?": "why_not",
+        **same_names("rms", "mte", "probability"),
+        **_PARTS,
+    }
 
-@overload
-def error_of_test(
-    recording: Recording,
-    question: Question,
-    *,
-    known_offsets: Collection[int] = ...,
-    left_by_repairs: Mapping[str, float] | None = ...,
-) -> ErrorOfTest: ...
-@overload
-def error_of_test(
-    recording: CoupledRecording,
-    question: Question,
-    *,
-    known_offsets: Collection[int] = ...,
-    left_by_repairs: Mapping[str, float] | None = ...,
-) -> ErrorOfSeveral: ...
+    name: str
+    why_not: str = ""  # A sentence; empty for one that is judged
+    rms: Estimate = UNKNOWN  # rms, mte: RMS^R and MTE^R with their 90 % intervals [-]
+    mte: Estimate = UNKNOWN
+    probability: float | None = None  # That the error asked about stays below the threshold
+    parts: Parts = _NO_PARTS
+
+    @property
+    def judged(self) -> bool:
+        """Whether the displacement moves enough for its noise."""
+        return not self.why_not
 
 
 def error_of_test(
@@ -246,7 +382,7 @@ def error_of_test(
     *,
     known_offsets: Collection[int] = (),
     left_by_repairs: Mapping[str, float] | None = None,
-) -> ErrorOfTest | ErrorOfSeveral:
+) -> ErrorOfTest:
     """Compute the error of a test.
 
     `known_offsets`: places of the actuators whose sensors have no offset; `left_by_repairs`: what repairs of
@@ -269,20 +405,11 @@ def error_of_test(
     ground = _examine_ground(recording, question, readings)
     left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
-    if isinstance(recording, CoupledRecording):
-        inferred = infer_errors(circumstances, readings.stride, question.seed)
-        return ErrorOfSeveral(
-            rebuilt=readings.rebuilt_of_several(inferred),
-            metric=question.metric,
-            threshold=question.threshold,
-            ground=ground,
-        )
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
-        damping_ratio=question.structure.damping_ratio,
         ground=ground,
         specimen=specimen,
         modelled=question.model is not None,
@@ -310,7 +437,10 @@ def _force_over_mass(recording: Recording | CoupledRecording, question: Question
 
 
 def _rebuild(
-    recording: Recording, question: Question, readings: Readings, circumstances: Circumstances
+    recording: Recording | CoupledRecording,
+    question: Question,
+    readings: Readings,
+    circumstances: Circumstances,
 ) -> "tuple[RebuiltError, MeasuredSpecimen | None]":
     """Rebuild the error with the specimen as stated, modelled or learned."""
     if question.model is not None:
@@ -318,7 +448,7 @@ def _rebuild(
 
         test, deviations = question.model.test, question.model.deviations
         return rebuild_modelled(readings, test, deviations, circumstances, seed=question.seed), None
-    if question.measured_specimen:
+    if question.measured_specimen and isinstance(recording, Recording):
         from reliab.assessment.measured_specimen.rebuild import rebuild_learned
 
         force, channel = recording.force, question.force_channel

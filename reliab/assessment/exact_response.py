@@ -7,7 +7,6 @@ import numpy as np
 import scipy
 
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.inferred_error import EXACT_DRAWS
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
@@ -67,7 +66,7 @@ def _scale_by_mass(partition: Partition, mass: float) -> Partition:
 
 
 def exact_test(
-    error: ErrorWithThreshold, degrees: tuple[str, ...], ground: Array | None, mass: float = 1.0
+    error: ErrorOfTest, degrees: tuple[str, ...], ground: Array | None, mass: float = 1.0
 ) -> ExactTest:
     """Say what a test should have been.
 
@@ -88,7 +87,7 @@ def exact_test(
         fed_back = specimen.fed_back[np.newaxis]
 
     def draws() -> Iterator[ExactResponse]:
-        if isinstance(error, ErrorOfTest) and specimen is not None:
+        if specimen is not None:
             draws_of_specimen = specimen.test.exact_of_draws(error.rebuilt.inferred.worlds(EXACT_DRAWS))
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
@@ -98,7 +97,7 @@ def exact_test(
     return ExactTest(
         time_step=step,
         every=rebuilt.inferred.every,
-        interface=("",) if isinstance(error, ErrorOfTest) else rebuilt.structure.names,
+        interface=rebuilt.structure.names if error.has_several else ("",),
         degrees=degrees,
         ground=ground,
         measured=measured_displacement,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question, error_of_test
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.faults import Fault, repair_recording
 from reliab.core.plain_values import Keys, PlainResult
 from reliab.recordings.coupled_recording import CoupledRecording
@@ -24,15 +23,15 @@ class FaultEffect(PlainResult):
     }
 
     fault: Fault  # The fault
-    error: ErrorWithThreshold  # Error of the test
+    error: ErrorOfTest  # Error of the test
     # Error of the test without the fault; where the verdict already excludes the fault because the loop did
     # not feel it, the error with the fault; None where that is not known
-    otherwise: ErrorWithThreshold | None
+    otherwise: ErrorOfTest | None
 
 
 def error_with_faults(
     recording: Recording | CoupledRecording, faults: Sequence[Fault], question: Question
-) -> tuple[ErrorOfTest | ErrorOfSeveral, tuple[FaultEffect, ...]]:
+) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 
     Returns `effects`: for each fault the error without it, or with it where `error` already excludes it.
@@ -40,7 +39,7 @@ def error_with_faults(
     unfelt = [fault for fault in faults if fault.in_loop is False]
     known_offsets = {fault.place for fault in faults if fault.size}
 
-    def error_without(some: Sequence[Fault], open_sizes: Mapping[str, float]) -> ErrorOfTest | ErrorOfSeveral:
+    def error_without(some: Sequence[Fault], open_sizes: Mapping[str, float]) -> ErrorOfTest:
         return error_of_test(
             repair_recording(recording, some),
             question,

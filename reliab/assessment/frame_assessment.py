@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.parts import ErrorPart
@@ -252,7 +251,7 @@ class CoupledAssessment(JudgedFrame):
     }
 
     recording: CoupledRecording
-    error: ErrorOfSeveral
+    error: ErrorOfTest
     # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
     limit_of_gains: bool = True
 
@@ -261,7 +260,7 @@ class CoupledAssessment(JudgedFrame):
     @property
     def longest_delay(self) -> float:
         """Delay of the actuator that follows its own command latest [s]."""
-        return float(np.diag(self.error.parts.delay).max())
+        return float(np.diag(self.error.rebuilt.readings.tracking[1]).max())
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -282,7 +281,7 @@ class CoupledAssessment(JudgedFrame):
     @property
     def actuators(self) -> tuple["ActuatorOfTest", ...]:
         """What each actuator did."""
-        gains, delays = np.asarray(self.error.parts.gain), np.asarray(self.error.parts.delay)
+        gains, delays = self.error.rebuilt.readings.tracking
         return tuple(
             ActuatorOfTest(name=number, place=place, gains=gains[place], delays=delays[place])
             for place, number in enumerate(self.recording.actuators)

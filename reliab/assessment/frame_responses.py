@@ -14,7 +14,6 @@ import numpy as np
 
 from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.exact_response import ExactTest, exact_test
 from reliab.assessment.inference.error_draws import ACCURACY
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
@@ -123,7 +122,7 @@ class ResponseErrors(PlainResult):
 
 
 def errors_of_responses(
-    error: ErrorWithThreshold,
+    error: ErrorOfTest,
     degrees: tuple[str, ...],
     recorded_ground: Array | None,
     motion: Motion | None = None,
@@ -137,7 +136,6 @@ def errors_of_responses(
     """
     test = exact_test(error, degrees, recorded_ground)
     names, weights = _responses(test)
-    specimen = error.specimen if isinstance(error, ErrorOfTest) else None
     ground = ground_of_test(test, motion, force_known=force_known)
     looking = _Looking(test=test, weights=weights, ground=ground)
     draws = looking.sizes_of_draws((draw.structure, draw.at_interface) for draw in test.draws())
@@ -147,7 +145,7 @@ def errors_of_responses(
     needs_ground = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
-        specimen="linear" if specimen is None else "measured",
+        specimen="linear" if error.specimen is None else "measured",
         ground_factor=ground.factor if ground is not None and ground.differs else None,
         other_motion=needs_ground and ground is None and not test.stated.structure.all_driven,
         over_peaks=looking.has_peaks,

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.judged_test import JudgedError
@@ -61,8 +60,9 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
         raise AssertionError  # one mass is no frame
     responses = _responses(error, judged.recording, judged.question, judged.motion)
     partition, carry = frame.partition, frame.to_interface
-    if isinstance(error, ErrorOfSeveral):
-        limit, gain_margin = _limit(partition, carry @ error.parts.gain @ np.linalg.inv(carry))
+    if frame.has_several:
+        gains = carry @ error.rebuilt.readings.tracking[0] @ np.linalg.inv(carry)
+        limit, gain_margin = _limit(partition, gains)
         return CoupledAssessment(
             **judged.common,
             frame=frame,
@@ -91,7 +91,7 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
 
 
 def _responses(
-    error: ErrorWithThreshold,
+    error: ErrorOfTest,
     recording: Recording | CoupledRecording,
     question: Question,
     motion: Motion | None,

@@ -95,7 +95,7 @@ class InferredError:
 
         `histories`: of the displacement that it was moved by.
         """
-        lost = -additional_displacement(specimen, histories.measured, histories.time_step)
+        lost = -additional_displacement(specimen, histories.measured[0], histories.time_step)
         slip = self.posterior.circumstances.channels.band.spectrum(lost)
         return log_evidence_ratio(self.posterior, slip[np.newaxis])
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from reliab.assessment import brief
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.error_with_threshold import ErrorOfSeveral, ErrorWithThreshold
 from reliab.assessment.fault_effects import FaultEffect
 from reliab.assessment.own_equation import OwnEquation
 from reliab.assessment.rebuilt_error.spread import Estimate
@@ -46,7 +45,7 @@ class JudgedError:
     criterion: Criterion | None  # The criterion beside which it is shown, if there is one
     motion: "Motion | None"  # Its ground motion, where it is given
     tracking: TrackingIndex | None  # A and d with their uncertainty; None where there are several actuators
-    error: ErrorOfTest | ErrorOfSeveral
+    error: ErrorOfTest
     effects: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
     equation: OwnEquation  # What the channels show of the structure
     turning: Turning  # What was not stated and would turn the verdict
@@ -87,7 +86,7 @@ class JudgedTest(PlainResult):
     }
 
     recording: Recording | CoupledRecording  # The test
-    error: ErrorWithThreshold  # The error, from the test alone
+    error: ErrorOfTest  # The error, from the test alone
     judgement: Verdict  # The verdict with its reasons
     faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
     turning: Turning  # What was not stated and would turn it
@@ -163,7 +162,7 @@ class JudgedTest(PlainResult):
         from matplotlib import pyplot as plt
 
         figure_axes = plt.subplots(figsize=(8.0, 3.0), layout="constrained")[1] if axes is None else axes
-        displacement = max(self.error.displacements, key=lambda degree: degree.estimate(self.metric).value)
+        displacement = self.error.governing or self.error.displacements[0]
         time = np.arange(displacement.error.size) * self.recording.time_step
         bound = MILLI * self.threshold * float(np.abs(displacement.reference).max())
         low, high = MILLI * displacement.low, MILLI * displacement.high

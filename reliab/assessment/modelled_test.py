@@ -26,7 +26,6 @@ from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
 from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.rebuild import Readings, RebuiltError
-from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -97,9 +96,8 @@ def rebuild_modelled(
 
     `deviations` of the model's parameters.
     """
-    command, step = readings.command[0], readings.time_step
-    tangent = circumstances.partition
-    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), step)
+    command, tangent = readings.command[0], circumstances.partition
+    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), readings.time_step)
     modelled = ModelledTest(
         model=HybridTest(
             structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
@@ -111,9 +109,7 @@ def rebuild_modelled(
         seed=seed,
     )
     inferred = infer_errors(circumstances, stride, seed, draws=draws, test=modelled)
-    difference = readings.noises[0].smooth(command - readings.read[0])
-    histories = Histories(command=command, measured=command - difference, fed_back=difference, time_step=step)
-    return readings.error_with(histories, tangent, inferred)
+    return readings.error_with(readings.smoothed, tangent, inferred)
 
 
 def tangent_structure(test: HybridTest) -> Partition:

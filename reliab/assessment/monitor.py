@@ -1,8 +1,8 @@
 """A linear or modelled test while it runs: its errors sample by sample, and its net damping.
 
-From time to time, at spacings that grow with the test, intervals are computed as by `rebuild`,
-`rebuild_coupled` or `rebuild_with_specimen` after the test; in between, errors are known from sums over the
-samples so far, without intervals. Of a long test samples are held at a lower rate, so that it takes no more
+From time to time, at spacings that grow with the test, intervals are computed as by `rebuild` or
+`rebuild_with_specimen` after the test; in between, errors are known from sums over the samples so far,
+without intervals. Of a long test samples are held at a lower rate, so that it takes no more
 memory than a shorter one; one whose nonlinear specimen has a model is held whole.
 """
 
@@ -13,7 +13,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
 from reliab.assessment.modelled_test import (
@@ -21,7 +20,7 @@ from reliab.assessment.modelled_test import (
     rebuild_with_specimen,
     tangent_structure,
 )
-from reliab.assessment.rebuild import RebuiltError, rebuild, rebuild_coupled
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.initial import Start, examine_starts
 from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
 from reliab.assessment.rebuilt_error.running_error import RunningError
@@ -217,22 +216,10 @@ class Monitor(RunningTest):
             )
             self._running.begin_anew(offsets, self._carry @ -standing)
 
-    def _draw(self, draws: int) -> RebuiltError | CoupledError:
+    def _draw(self, draws: int) -> RebuiltError:
         """Draw the errors of the test so far."""
         command, measured_displacement = self._held.rows
         step = self._held.joined * self.time_step
-        if self._has_several:
-            return rebuild_coupled(
-                command,
-                measured_displacement,
-                step,
-                self._partition,
-                to_interface=self._carry,
-                feedback_lag=self._lag,
-                known=self._known,
-                draws=draws,
-                seed=self._seed,
-            )
         if self._model is not None:
             return rebuild_with_specimen(
                 command[0],
@@ -246,10 +233,11 @@ class Monitor(RunningTest):
                 seed=self._seed,
             )
         return rebuild(
-            command[0],
-            measured_displacement[0],
+            command,
+            measured_displacement,
             step,
-            self.structure,
+            self._partition,
+            to_interface=self._carry,
             feedback_lag=self._lag,
             sensor_offset=self._sensor_offset,
             known=self._known,
@@ -284,18 +272,17 @@ class Monitor(RunningTest):
     def _calm(self, name: str) -> float:
         return self._running.sums[self._partition.names.index(name)].calm * self.time_step
 
-    def ask(self, *, draws: int = DRAWS) -> RebuiltError | CoupledError:
+    def ask(self, *, draws: int = DRAWS) -> RebuiltError:
         """Compute the error of the test so far with its intervals."""
         if draws > DRAWS_AT_END:
             raise InputError(f"A running test has {DRAWS_AT_END} draws at most", value=draws)
         error = self._draw(draws)
-        if isinstance(error, CoupledError):
-            self._begin_anew(error.starts)
-            self._judged = tuple(degree.name for degree in error.judged)
-            self._conclude(error.governing(self._metric), {degree.name: degree for degree in error.judged})
-            return error
-        self._begin_anew([error.start])
+        self._begin_anew(error.readings.starts)
+        self._judged = tuple(degree.name for degree in error.judged)
         running = self._running
-        is_lost = is_lost_in_noise(running.command[0] - running.measured[0], running.sums[0].largest)
-        self._conclude(error, {self.governing: error}, lost_in_noise=is_lost)
+        is_lost = not self._has_several and is_lost_in_noise(
+            running.command[0] - running.measured[0], running.sums[0].largest
+        )
+        judged = {degree.name: degree for degree in error.judged}
+        self._conclude(error.governing(self._metric), judged, lost_in_noise=is_lost)
         return error

@@ -1,9 +1,10 @@
 """Where the error comes from: amplitude, delay, neither, and a force that was fed back late.
 
-The measured displacement is written as x_m = k x_c − τ x_c' + rest, with k and τ of least squares over the
-test. The error is linear in x_c − x_m, so that each part is rebuilt by itself ::
+Each of p measured displacements is written by least squares over the test as m_i = Σ_j (k_ij c_j − τ_ij c_j')
++ constant + rest. The error is linear in c − m, so that each part is rebuilt by itself ::
 
-    amplitude (1 − k) x_c,   delay τ x_c',   neither: the rest,   fed-back force x_m(t) − x_m(t − lag)
+    amplitude (1 − k_ii) c_i,   delay τ_ii c_i',   cross-coupling −Σ_{j≠i}(k_ij c_j − τ_ij c_j'),   the rest
+    fed-back force m(t) − m(t − lag)
 
 and the parts add up to the error. The share of a part is its projection on the whole, ⟨part, whole⟩/⟨whole,
 whole⟩; shares sum to one, and one that works against the others is negative. The error that would remain
@@ -12,6 +13,7 @@ without a part holds to first order only, because a better actuator also changes
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -23,13 +25,39 @@ from reliab.core.arrays import Array
 from reliab.core.plain_values import finite
 from reliab.structures.partition import Partition
 
-AMPLITUDE = "amplitude"
-DELAY = "delay"
-NEITHER = "neither"
-FED_BACK_FORCE = "fed_back_force"
+AMPLITUDE: Final = "amplitude"
+DELAY: Final = "delay"
+NEITHER: Final = "neither"
+FED_BACK_FORCE: Final = "fed_back_force"
 
+PART_NAMES: Final[Mapping[str, str]] = {
+    AMPLITUDE: "amplitude",
+    DELAY: "delay",
+    NEITHER: "other tracking errors",
+    FED_BACK_FORCE: "lag of the fed-back force",
+}
+"""Parts of the error in words."""
+
+_CAUSES: Final[Mapping[str, str]] = {
+    "gain": "gain of actuator {}",
+    "delay": "delay of actuator {}",
+    "cross_coupling": "motion of actuator {} that others cause",
+    "rest": "other tracking errors of actuator {}",
+}
+_OF_AN_ONLY_ACTUATOR: Final = {"gain": AMPLITUDE, "delay": DELAY, "rest": NEITHER}
 _REMAINDERS = (NEITHER, "_rest")
 _ROUNDING = 1e-12
+# Of a command: errors that large are as dear as what they leave unexplained
+_OWN_PENALTY, _OTHERS_PENALTY = 1e-3, 3e-3
+
+
+def part_in_words(name: str) -> str:
+    """Name a part of the error, such as "delay" or "actuator_1_delay", in words."""
+    for cause, words in _CAUSES.items():
+        if name.startswith("actuator_") and name.endswith(f"_{cause}"):
+            number = name.removeprefix("actuator_").removesuffix(f"_{cause}")
+            return words.format(number)
+    return PART_NAMES[name]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,10 +86,6 @@ class ErrorPart:
 class Parts:
     """The error divided into parts."""
 
-    # gain, delay: k [-] and τ [s] of least squares, negative where the actuator leads; of several actuators
-    # those of each for the commands of all, shape (p, p)
-    gain: float | Array
-    delay: float | Array
     # "amplitude", "delay", "neither" or, of several actuators, "actuator_1_gain" and so on;
     # "fed_back_force" where a lag of it is known
     by_name: dict[str, ErrorPart]
@@ -104,18 +128,32 @@ class Parts:
         return {name: _rms_of_stretches(part.history, width) for name, part in self.by_name.items()}
 
 
-def divide(histories: Histories, structure: Partition, band: AnalysisBand) -> Parts:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DividedError:
+    """The errors of all interface displacements, divided by actuator and by cause."""
+
+    pieces: Mapping[str, Array]  # Contribution of each part to x_m − x_I [m], shape (p, n)
+    peaks: Array  # Largest exact responses [m], shape (p,)
+
+    def parts(self, place: int = 0) -> Parts:
+        """Parts of the error of one interface displacement."""
+        pieces = {name: piece[place] for name, piece in self.pieces.items()}
+        return parts_of(pieces, float(self.peaks[place]))
+
+
+def divide(histories: Histories, structure: Partition, band: AnalysisBand) -> DividedError:
     """Divide a rebuilt error into its parts."""
-    measured_displacement = histories.measured
-    gain, delay, differences = follow(histories.command, measured_displacement, histories.time_step)
-    interface_differences = {name: row[np.newaxis] for name, row in differences.items()}
-    interface_pieces = pieces_of(histories, structure, band, interface_differences, remainder=NEITHER)
-    pieces = {name: piece[0] for name, piece in interface_pieces.items()}
-    error = np.sum(list(pieces.values()), axis=0)
-    return parts_of(gain, delay, pieces, float(np.abs(measured_displacement - error).max()))
+    *_, differences = fit_followers(histories.command, histories.measured, histories.time_step)
+    at_interface = {
+        name: histories.carry[:, place, np.newaxis] * row
+        for place, rows in enumerate(differences)
+        for name, row in rows.items()
+    }
+    pieces = _pieces_of(histories, structure, band, at_interface, remainder=[*differences[0]][-1])
+    return DividedError(pieces=pieces, peaks=_peaks_of_exact(histories, pieces))
 
 
-def pieces_of(
+def _pieces_of(
     histories: Histories,
     structure: Partition,
     band: AnalysisBand,
@@ -127,7 +165,7 @@ def pieces_of(
 
     The answer to x_c − x_m before the first sample belongs to the `remainder`.
     """
-    standing = np.reshape(histories.standing, (-1, 1))
+    standing = histories.standing[:, np.newaxis]
     pieces = {}
     for name, difference in differences.items():
         stood = standing if name == remainder else np.zeros_like(standing)
@@ -138,29 +176,58 @@ def pieces_of(
     return pieces
 
 
-def follow(
-    command: Array, measured_displacement: Array, step: float
-) -> tuple[float, float, dict[str, Array]]:
-    """Fit gain [-] and delay [s] to command and measured displacement [m], and divide their difference."""
-    velocity = np.gradient(command, step)
-    basis = np.stack([command, -velocity, np.ones(command.size)])  # an offset is neither gain nor delay
-    scale = np.abs(basis).max(axis=1)
-    rows = basis / scale[:, np.newaxis]
-    gain, delay, _ = np.linalg.lstsq(rows @ rows.T, rows @ measured_displacement, rcond=None)[0] / scale
-    differences = {
-        AMPLITUDE: (1.0 - gain) * command,
-        DELAY: delay * velocity,
-        NEITHER: gain * command - delay * velocity - measured_displacement,
+def _peaks_of_exact(histories: Histories, pieces: Mapping[str, Array]) -> Array:
+    exact = histories.carry @ histories.measured - np.sum(list(pieces.values()), axis=0)
+    return np.asarray(np.maximum(np.abs(exact).max(axis=1), np.finfo(float).tiny))
+
+
+def fit_followers(
+    command: Array, measured_displacement: Array, time_step: float
+) -> tuple[Array, Array, tuple[dict[str, Array], ...]]:
+    """Fit gains [-] and delays [s], a row for each actuator, and divide each c_i − m_i by cause.
+
+    Delays are negative where an actuator leads.
+
+    `command`, `measured_displacement` [m], shape (n,) or (p, n).
+    Commands that move alike do not tell whose error it is: the smallest errors are taken that explain the
+    test, and an actuator's own before those that others cause.
+    """
+    command, measured_displacement = np.atleast_2d(command, measured_displacement)
+    velocity = np.gradient(command, time_step, axis=1)
+    rows = np.vstack([command, -velocity])
+    rows = rows - rows.mean(axis=1, keepdims=True)  # an offset is neither gain nor delay
+    scale = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), np.finfo(float).tiny)
+    scaled_rows = rows / scale[:, np.newaxis]
+    normal = scaled_rows @ scaled_rows.T / rows.shape[1]
+    size = command.shape[0]
+    coefficients = np.empty((size, 2 * size))
+    for place in range(size):
+        is_own = np.arange(2 * size) % size == place
+        penalty = np.where(is_own, _OWN_PENALTY, _OTHERS_PENALTY) ** 2
+        residual = scaled_rows @ (measured_displacement[place] - command[place]) / rows.shape[1]
+        coefficients[place] = np.linalg.solve(normal + np.diag(penalty), residual) / scale
+    gain, delay = np.eye(size) + coefficients[:, :size], coefficients[:, size:]
+    own_gain, own_delay = np.diag(gain)[:, np.newaxis], np.diag(delay)[:, np.newaxis]
+    by_cause = {
+        "gain": (1.0 - own_gain) * command,
+        "delay": own_delay * velocity,
+        "cross_coupling": (delay @ velocity - own_delay * velocity) - (gain @ command - own_gain * command),
     }
-    return float(gain), float(delay), differences
+    by_cause["rest"] = command - measured_displacement - sum(by_cause.values())
+    return gain, delay, tuple(_name_causes(by_cause, place) for place in range(size))
 
 
-def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array], ideal_peak: float) -> Parts:
-    """Sizes of pieces [m] that add up to an error; `delay` [s], `ideal_peak` of the exact response [m]."""
+def _name_causes(by_cause: Mapping[str, Array], place: int) -> dict[str, Array]:
+    """Rows of one actuator by the names of parts, such as "delay", or "actuator_1_delay" of several."""
+    if len(by_cause["rest"]) == 1:
+        return {name: by_cause[cause][0] for cause, name in _OF_AN_ONLY_ACTUATOR.items()}
+    return {f"actuator_{place + 1}_{cause}": rows[place] for cause, rows in by_cause.items()}
+
+
+def parts_of(pieces: Mapping[str, Array], ideal_peak: float) -> Parts:
+    """Sizes of pieces [m] that add up to an error; `ideal_peak` of the exact response [m]."""
     error = np.sum(list(pieces.values()), axis=0)
     return Parts(
-        gain=gain,
-        delay=delay,
         by_name={name: part_of(piece, error, ideal_peak) for name, piece in pieces.items()},
         rms=float(np.sqrt(mean_square(error))) / ideal_peak,
     )
@@ -169,19 +236,16 @@ def parts_of(gain: float | Array, delay: float | Array, pieces: dict[str, Array]
 def part_of_tracking(
     histories: Histories, structure: Partition, band: AnalysisBand, followed_command: Array
 ) -> ErrorPart:
-    """Part of a rebuilt error that a description of the actuator accounts for.
+    """Part of a rebuilt error that a description of an only actuator accounts for.
 
-    `followed_command` [m].
+    `followed_command` [m], shape (n,).
     Returns the error that x_c minus this displacement causes, and what would remain without it.
     """
-    followed_difference = (histories.command - followed_command)[np.newaxis]
-    differences = {
-        DELAY: followed_difference,
-        NEITHER: histories.difference[np.newaxis] - followed_difference,
-    }
-    pieces = pieces_of(histories, structure, band, differences, remainder=NEITHER)
-    error = np.sum(list(pieces.values()), axis=0)[0]
-    return part_of(pieces[DELAY][0], error, float(np.abs(histories.measured - error).max()))
+    followed_difference = histories.command - followed_command
+    differences = {DELAY: followed_difference, NEITHER: histories.difference - followed_difference}
+    pieces = _pieces_of(histories, structure, band, differences, remainder=NEITHER)
+    error = np.sum(list(pieces.values()), axis=0)
+    return part_of(pieces[DELAY][0], error[0], float(_peaks_of_exact(histories, pieces)[0]))
 
 
 def part_of(piece: Array, error: Array, ideal_peak: float) -> ErrorPart:

@@ -17,13 +17,15 @@ Use it so ::
     error = rebuild(command, measured, time_step, structure, known=known)
     error.rms.value, error.rms.low, error.rms.high      RMS^R and its 90 % interval; error.mte likewise
     error.probability(threshold, metric)                P(error < threshold), capped by the draws
-    error.error, error.smooth_error, error.reference    x_m − x_I and x_I [m], shape (n,)
-    error.low, error.high                               90 % band of x_m − x_I [m], shape (n,)
-    error.parts()                                       Parts: gain, delay, first, by_name[...] with share,
-                                                        rms, remaining_rms, remaining_mte, history;
+    error.division.parts()                              Parts: first, by_name[...] with share, rms,
+                                                        remaining_rms, remaining_mte, history;
                                                         rms_over_time(...)
-    error.widenings(metric)                             what widens the interval, widest first
-    error.start.offset, error.noise.white               the sensor's offset and noise [m]
+    error.inferred.widenings(metric)                    what widens the interval, widest first
+    error.readings.starts, .noises                      the sensors' offsets and noise [m]
+
+    displacement, *others = error.displacements         one for each actuator
+    displacement.error, .smooth_error, .reference       x_m − x_I and x_I [m], shape (n,)
+    displacement.low, displacement.high                 90 % band of x_m − x_I [m], shape (n,)
 
 What is assumed: the structure is linear with the stated properties (or its specimen has a model), the command
 solves its equation of motion, and the fed-back force is that of the piston's true displacement, without the
@@ -35,24 +37,23 @@ and the interval includes it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from reliab.assessment.coupled_error import CoupledError, DegreeError, fit_followers
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.error_draws import typical_world
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
 from reliab.assessment.inferred_error import InferredError, infer_errors
-from reliab.assessment.parts import ErrorPart, Parts, divide, part_of_tracking
+from reliab.assessment.parts import DividedError, ErrorPart, divide, fit_followers, part_of_tracking
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_starts
 from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving, estimate_noises
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import DisplacementError
-from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, Estimate
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
@@ -60,35 +61,6 @@ from reliab.structures.structure import Structure
 
 _RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
 _DRAWS_OF_NOISE = 16  # that show how much of a displacement noise leaves open
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RebuiltError(DisplacementError):
-    """The error of a test with its uncertainty."""
-
-    time_step: float  # Step between samples [s]
-    structure: Partition  # The structure with which it was rebuilt
-    noise: SensorNoise  # Noise of the displacement sensor
-    start: Start  # How the test begins, and the sensor's offset
-    histories: Histories  # Histories without noise, of which the parts are made
-    inferred: InferredError  # Draws of everything that is uncertain, and what they say of the error
-
-    @property
-    def command(self) -> Array:
-        """x_c at the interface [m], shape (1, n)."""
-        return self.histories.command[np.newaxis]
-
-    def parts(self) -> Parts:
-        """Divide the error into amplitude, delay, what is neither, and the fed-back force."""
-        return divide(self.histories, self.structure, self.inferred.band)
-
-    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
-        """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
-        return part_of_tracking(self.histories, self.structure, self.inferred.band, followed_command)
-
-    def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
-        """Which unknowns widen the interval most, the widest first."""
-        return self.inferred.widenings(metric)
 
 
 def _initial_size(command: Array, read: Array, starts: Sequence[Start]) -> float:
@@ -173,50 +145,44 @@ class Readings:
         structure_stride = samples_in_step_of_structure(self.partition, self.time_step)
         return samples_in_step(structure_stride, self.noises, self.command.shape[1])
 
-    def rebuilt(self, inferred: InferredError) -> RebuiltError:
-        """Put the posterior of a test with one actuator into the form of a rebuilt error."""
-        world = typical_world(inferred.posterior, inferred.errors)
-        histories = self._histories(world)
-        single = replace(
-            histories,
-            command=histories.command[0],
-            measured=histories.measured[0],
-            fed_back=histories.fed_back[0],
-            standing=-self.starts[0].standing,
-            carry=None,
-        )
-        return self.error_with(single, world.structure(self.partition), inferred)
+    @cached_property
+    def tracking(self) -> tuple[Array, Array]:
+        """Gains [-] and delays [s] of each actuator for the commands of all, by least squares, (p, p)."""
+        return fit_followers(self.command, self.read, self.time_step)[:2]
 
-    def error_with(self, histories: Histories, structure: Partition, inferred: InferredError) -> RebuiltError:
+    @property
+    def smoothed(self) -> Histories:
+        """Histories of one actuator, whose measured displacement is smoothed."""
+        difference = self.noises[0].smooth(self.command[0] - self.read[0])[np.newaxis]
+        return Histories(
+            command=self.command,
+            measured=self.command - difference,
+            fed_back=difference,
+            time_step=self.time_step,
+            standing=np.zeros(1),
+            carry=self.channels.to_interface,
+        )
+
+    def rebuilt(self, inferred: InferredError) -> "RebuiltError":
+        """Put the posterior of a test into the form of a rebuilt error."""
+        world = typical_world(inferred.posterior, inferred.errors)
+        return self.error_with(self._histories(world), world.structure(self.partition), inferred)
+
+    def error_with(
+        self, histories: Histories, structure: Partition, inferred: InferredError
+    ) -> "RebuiltError":
         """Put together what draws say of the error, and the histories and the structure of its parts."""
+        read = self.channels.to_interface @ self.read
+        noise = self._noise_left(np.abs(inferred.errors.exact).max(axis=1))
         return RebuiltError(
-            **inferred.histories(0, self.read[0]),
-            time_step=self.time_step,
+            readings=self,
             structure=structure,
-            noise=self.noises[0],
-            start=self.starts[0],
             histories=histories,
-            inferred=inferred,
-        )
-
-    def rebuilt_of_several(self, inferred: InferredError) -> CoupledError:
-        """Put the posterior of a test with several actuators into the form of a rebuilt error."""
-        read, noise = self.channels.to_interface @ self.read, self._noise_left
-        displacements = []
-        for place, name in enumerate(self.partition.names):
-            rebuilt = inferred.histories(place, read[place])
-            peak = float(np.abs(rebuilt["reference"]).max())
-            share = float(noise[place]) / peak if peak > 0.0 else np.inf
-            displacements.append(DegreeError(**rebuilt, name=name, noise=share))
-        world = typical_world(inferred.posterior, inferred.errors)
-        return CoupledError(
-            time_step=self.time_step,
-            displacements=tuple(displacements),
-            structure=world.structure(self.partition),
-            starts=self.starts,
-            histories=self._histories(world),
-            tracking=fit_followers(
-                self.command, np.gradient(self.command, self.time_step, axis=1), self.read
+            displacements=tuple(
+                DisplacementError(
+                    **inferred.histories(place, read[place]), name=name, noise=float(noise[place])
+                )
+                for place, name in enumerate(self.partition.names)
             ),
             inferred=inferred,
         )
@@ -236,12 +202,14 @@ class Readings:
             carry=carry,
         )
 
-    @property
-    def _noise_left(self) -> Array:
-        """Standard deviation of x_m that the noise leaves open at the interface [m], shape (p,).
+    def _noise_left(self, peaks: Array) -> Array:
+        """Return what noise leaves open of x_m at the interface, one standard deviation over peaks [m], (p,).
 
-        Of an actuator that is not told to move, all that its sensor shows is open.
+        Of an actuator that is not told to move, all that its sensor shows is open; infinite where nothing
+        moves. An only displacement is judged whatever its noise.
         """
+        if peaks.size == 1:
+            return np.zeros(1)
         channels, carry = self.channels, self.channels.to_interface
         generator = np.random.default_rng(0)
         draws = [
@@ -250,7 +218,74 @@ class Readings:
         still = ~are_moving(self.command, self.read)
         mean_squares = np.where(still, np.mean((self.command - self.read) ** 2, axis=1), 0.0)
         open_squares = np.mean(np.square(draws), axis=(0, 2)) + carry**2 @ mean_squares
-        return np.asarray(np.sqrt(open_squares))
+        shares = np.divide(np.sqrt(open_squares), peaks, out=np.full(peaks.size, np.inf), where=peaks > 0.0)
+        return np.asarray(shares)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RebuiltError:
+    """The errors of a test's interface displacements with their uncertainty; the largest one governs."""
+
+    readings: Readings
+    structure: Partition  # The structure with which the parts are found
+    histories: Histories  # Histories without noise, of which the parts are made
+    displacements: tuple[DisplacementError, ...]  # In the order of the interface displacements
+    inferred: InferredError  # Draws of everything that is uncertain, and what they say of the error
+
+    @property
+    def time_step(self) -> float:
+        """Step between samples [s]."""
+        return self.readings.time_step
+
+    @property
+    def command(self) -> Array:
+        """x_c at the interface [m], shape (p, n)."""
+        return np.asarray(self.histories.carry @ self.histories.command)
+
+    @property
+    def judged(self) -> tuple[DisplacementError, ...]:
+        """Displacements that move enough for their noise."""
+        return tuple(degree for degree in self.displacements if degree.judged)
+
+    def governing(self, metric: Metric) -> DisplacementError | None:
+        """Return the displacement with the largest error; None where all are lost in noise."""
+        return max(self.judged, key=lambda degree: degree.estimate(metric).value, default=None)
+
+    @property
+    def rms(self) -> Estimate:
+        """RMS^R of the governing displacement with its 90 % interval."""
+        return self.estimate(Metric.RMS)
+
+    @property
+    def mte(self) -> Estimate:
+        """MTE^R of the governing displacement with its 90 % interval."""
+        return self.estimate(Metric.MTE)
+
+    def estimate(self, metric: Metric) -> Estimate:
+        """RMS^R or MTE^R of the governing displacement with its interval; NaN where all are lost in noise."""
+        governing = self.governing(metric)
+        return UNKNOWN if governing is None else governing.estimate(metric)
+
+    def errors(self, metric: Metric) -> Array:
+        """RMS^R or MTE^R of the draws, the largest of the judged displacements [-], shape (draws,)."""
+        return np.asarray(np.max([degree.errors(metric) for degree in self.judged], axis=0))
+
+    def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
+        """Probability that the errors of all judged displacements are below a threshold [-]."""
+        governing = self.governing(metric)
+        if governing is None:
+            return 0.5
+        largest = replace(governing.draws, rms=self.errors(Metric.RMS), mte=self.errors(Metric.MTE))
+        return largest.probability_below(threshold, metric)
+
+    @cached_property
+    def division(self) -> DividedError:
+        """The errors divided by actuator and by cause."""
+        return divide(self.histories, self.structure, self.inferred.band)
+
+    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
+        """Part of the error that an only actuator with this displacement [m] accounts for, shape (n,)."""
+        return part_of_tracking(self.histories, self.structure, self.inferred.band, followed_command)
 
 
 def rebuild(
@@ -259,17 +294,20 @@ def rebuild(
     time_step: float,
     structure: Structure | Partition,
     *,
+    to_interface: Array | None = None,
     feedback_lag: float = 0.0,
-    sensor_offset: float | None = None,
+    sensor_offset: Array | float | None = None,
     resolution: float | None = None,
     known: PriorKnowledge = EXACTLY_KNOWN,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
-    """Rebuild the error of a test of a linear structure from its command and measured displacement.
+    """Rebuild the errors of a test of a linear structure from its commands and measured displacements.
 
-    `command`, `measured_displacement` [m]; `time_step`, `feedback_lag` [s]; `sensor_offset`, `resolution`
-    [m].
+    `command`, `measured_displacement` [m], shape (n,), or (p, n) of several actuators; `time_step`,
+    `feedback_lag` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
+    shape (p, p), the identity by default; `sensor_offset` [m], of several sensors shape (p,), NaN where it is
+    not known; `resolution` [m].
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 
@@ -278,6 +316,15 @@ def rebuild(
     >>> error = rebuild(command, 0.99 * command, 1.0 / 256.0, Structure(frequency=1.0, damping_ratio=0.05))
     >>> round(error.rms.value, 3)
     0.06
+
+    Two actuators of which one moves 1 % too little:
+
+    >>> partition = Partition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
+    ...                       interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
+    >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
+    >>> error = rebuild(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
+    >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-3
+    (0.07, True)
     """
     partition = whole_structure(structure)
     readings = Readings.from_histories(
@@ -285,55 +332,12 @@ def rebuild(
         measured_displacement,
         time_step,
         partition,
+        to_interface=to_interface,
         sensor_offsets=sensor_offset,
         resolution=resolution,
-    )
-    require_lag(feedback_lag, readings.command.size * time_step)
-    circumstances = Circumstances(
-        **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
-    )
-    return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))
-
-
-def rebuild_coupled(
-    command: Array,
-    measured_displacements: Array,
-    time_step: float,
-    partition: Partition,
-    *,
-    to_interface: Array | None = None,
-    feedback_lag: float = 0.0,
-    known: PriorKnowledge = EXACTLY_KNOWN,
-    sensor_offsets: Array | None = None,
-    draws: int = DRAWS,
-    seed: int = 0,
-) -> CoupledError:
-    """Rebuild the error of every interface displacement of a test with several actuators.
-
-    `command`, `measured_displacements` [m], shape (p, n); `time_step`, `feedback_lag` [s]; `to_interface`:
-    interface displacements of unit displacements of the actuators [-], shape (p, p), the identity by default;
-    `sensor_offsets`: of the displacement sensors [m], NaN where they are not known, shape (p,).
-
-    Two actuators of which one moves 1 % too little:
-
-    >>> time = np.arange(0.0, 60.0, 1.0 / 256.0)
-    >>> partition = Partition(mass=np.eye(2), damping=0.5 * np.eye(2), stiffness=40.0 * np.eye(2),
-    ...                       interface=np.eye(2), specimen_stiffness=40.0 * np.eye(2))
-    >>> command = np.minimum(time / 20.0, 1.0) * np.sin(np.sqrt(40.0) * time) * np.ones((2, 1))
-    >>> error = rebuild_coupled(command, command * [[0.99], [1.0]], 1.0 / 256.0, partition)
-    >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-3
-    (0.07, True)
-    """
-    readings = Readings.from_histories(
-        command,
-        measured_displacements,
-        time_step,
-        partition,
-        to_interface=to_interface,
-        sensor_offsets=sensor_offsets,
     )
     require_lag(feedback_lag, readings.command.shape[1] * time_step)
     circumstances = Circumstances(
         **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
     )
-    return readings.rebuilt_of_several(infer_errors(circumstances, readings.stride, seed, draws=draws))
+    return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))

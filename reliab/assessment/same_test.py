@@ -16,7 +16,7 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.judged_test import plot_errors
-from reliab.assessment.parts import follow
+from reliab.assessment.parts import fit_followers
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.verdict import Word, probability_text, word_of_probability
@@ -262,17 +262,16 @@ def _exact(assessment: Assessment) -> Array:
 
 def _measured_motion(assessment: Assessment, size: int) -> Array:
     """Measured displacement without the sensor's noise, as it was read [m], shape (size,)."""
-    rebuilt, command = assessment.error.rebuilt, assessment.recording.command
-    read = rebuilt.error + rebuilt.reference
-    return np.asarray((command - rebuilt.noise.smooth(command - read))[:size])
+    readings = assessment.error.rebuilt.readings
+    return np.asarray(readings.smoothed.measured[0, :size])
 
 
 def _tracking(assessment: Assessment, size: int) -> Array:
     """Errors of gain and of delay of a run, the latter times ω₀: both as shares of the command."""
     command = assessment.recording.command[:size]
     measured_displacement = _measured_motion(assessment, size)
-    gain, delay, _ = follow(command, measured_displacement, assessment.recording.time_step)
-    return np.array([gain - 1.0, delay * assessment.structure.circular_frequency])
+    gain, delay, _ = fit_followers(command, measured_displacement, assessment.recording.time_step)
+    return np.array([gain.item() - 1.0, delay.item() * assessment.structure.circular_frequency])
 
 
 def _unknown_zero(assessment: Assessment, generator: np.random.Generator) -> Array:

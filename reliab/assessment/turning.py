@@ -7,7 +7,6 @@ from typing import ClassVar, Final
 import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
 from reliab.assessment.inference.rebuilt import error_of_command
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
@@ -116,7 +115,7 @@ def _turning_value(quantity: str, smallest: float | None) -> str:
 
 
 def examine_turning(
-    error: ErrorWithThreshold, recording: Recording | CoupledRecording, question: Question
+    error: ErrorOfTest, recording: Recording | CoupledRecording, question: Question
 ) -> Turning:
     """Find what would turn the verdict; nothing is asked of a model, or where all is taken as exact.
 
@@ -126,7 +125,7 @@ def examine_turning(
         return Turning()
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
-    if not (isinstance(error, ErrorOfTest) and isinstance(recording, Recording)):
+    if isinstance(recording, CoupledRecording):
         return Turning(doubt_of_skew=doubt_of_skew)
     is_known = recording.force is not None or question.linear_specimen
     yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)
@@ -179,14 +178,14 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
 
     A filter delays the motions of a test; on the command it acts against one on the measured channel.
     """
-    rebuilt, histories = error.rebuilt, error.rebuilt.histories
-    rate = np.gradient(histories.measured, histories.time_step)
+    rebuilt, histories, displacement = error.rebuilt, error.rebuilt.histories, error.displacements[0]
+    rate = np.gradient(histories.measured[0], histories.time_step)
     response = error_of_command(rebuilt.structure, rebuilt.inferred.band, rate)[0]
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:
-        changed_error = rebuilt.smooth_error + late * (rate - response)
-        return relative_error(changed_error, rebuilt.reference + late * response, error.metric)
+        changed_error = displacement.smooth_error + late * (rate - response)
+        return relative_error(changed_error, displacement.reference + late * response, error.metric)
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}

@@ -22,7 +22,6 @@ from reliab.app.api.records import record as api_record
 from reliab.app.api.rigs import document_of_rig, export_rig, list_rig
 from reliab.app.api.simulation import trace_boundaries
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -160,10 +159,10 @@ def judge(test: str, folder: str, arguments: Mapping[str, Any], tell: Tell) -> F
 def judgement_of(assessment: "AnyAssessment") -> Judgement:
     """Take what a page shows from an assessment."""
     plain = Judgement(content=assessment.to_dict(), contradictions=tuple(_contradictions(assessment)))
-    if not isinstance(assessment.error, ErrorOfTest):
+    if assessment.error.has_several:
         return plain
-    rebuilt = assessment.error.rebuilt
-    time = rebuilt.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
+    rebuilt = assessment.error.displacements[0]
+    time = assessment.recording.time_step * np.arange(rebuilt.error.size, dtype=np.float64)
     histories = (rebuilt.smooth_error, rebuilt.low, rebuilt.high)
     histories_drawn = thin_histories(time, *(MILLI * history for history in histories))
     return replace(

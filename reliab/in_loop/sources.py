@@ -1,6 +1,6 @@
 """The monitor in C: templates that do not change, and one header with the numbers of a structure.
 
-The recursions are those of `reliab.assessment.rebuilt_error` and `reliab.assessment.coupled_error`, exact for
+The recursions are those of `reliab.assessment.rebuilt_error`, exact for
 a straight line between samples; their coefficients are written with 17 digits, so that both compute with the
 same numbers: w₊ = E w + F₀τ + F₁τ₊, y = P w + Qτ, with τ = x_c − x_m at the interface.
 """

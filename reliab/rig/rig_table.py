@@ -141,8 +141,8 @@ def _own_ellipse(assessment: Assessment | FrameAssessment) -> tuple[float | None
     """How much gain and delay weigh in the response of this very test; unknown for frames."""
     if not isinstance(assessment, Assessment):
         return None, None
-    rebuilt = assessment.error.rebuilt
-    ellipse = ellipse_of_response(rebuilt.reference, rebuilt.time_step, assessment.structure)
+    error = assessment.error
+    ellipse = ellipse_of_response(error.reference, error.rebuilt.time_step, assessment.structure)
     if not all(math.isfinite(value) and value > 0.0 for value in (ellipse.amplitude, ellipse.delay)):
         return None, None
     return ellipse.amplitude, ellipse.delay

@@ -14,9 +14,8 @@ import numpy as np
 import scipy
 
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.assessment.coupled_error import CoupledError
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
-from reliab.assessment.rebuild import rebuild_coupled
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.core.arrays import Array
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion
@@ -190,17 +189,17 @@ def _measure_each(measure: Any, differences: Array, bases: Array) -> list[float]
     return [measure(difference, base) for difference, base in zip(differences, bases, strict=True)]
 
 
-def rebuilt_error(target: Array, measured: Array, draws: int, *, ordinary: bool = False) -> CoupledError:
+def rebuilt_error(target: Array, measured: Array, draws: int, *, ordinary: bool = False) -> RebuiltError:
     """Rebuild the error of x and θ from displacements of the actuators [mm], shape (2, n).
 
     Everything but the noise is exact, as in the simulation, or as `ordinary` equipment leaves it.
     """
-    return rebuild_coupled(
+    return rebuild(
         to_node(target),
         to_node(measured),
         1.0 / RATE,
         benchmark_partition(),
-        sensor_offsets=None if ordinary else np.zeros(2),
+        sensor_offset=None if ordinary else np.zeros(2),
         known=PriorKnowledge(equipment=ordinary_equipment()) if ordinary else EXACTLY_KNOWN,
         draws=draws,
     )

@@ -365,7 +365,7 @@ def test_actuators_moving_alike_keep_gains_near_one():
         channels_at_interface=False,
     )
     result = assess(recording, frame)
-    np.testing.assert_allclose(result.error.parts.gain, np.eye(3), atol=0.2)
+    np.testing.assert_allclose(result.error.rebuilt.readings.tracking[0], np.eye(3), atol=0.2)
     assert result.limit_of_gains
     assert 0.0 < result.stability_margin < 1.0
 

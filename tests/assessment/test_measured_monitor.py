@@ -35,8 +35,7 @@ def learner(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     rebuilt = SimpleNamespace(
         rms=size,
         mte=size,
-        error=0.2 * peak,
-        reference=peak,
+        displacements=[SimpleNamespace(error=0.2 * peak, reference=peak)],
         estimate=lambda _metric: size,
     )
     specimen = SimpleNamespace(held_out=0.2, learned=True, rebuilt=rebuilt)
@@ -44,7 +43,7 @@ def learner(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     def learn(command: np.ndarray, *_: Any, **__: Any) -> SimpleNamespace:
         if command.size < 300:
             raise InputError("Too short")
-        rebuilt.reference = peak[: command.size]
+        rebuilt.displacements[0].reference = peak[: command.size]
         return specimen
 
     monkeypatch.setattr(following, "rebuild_with_force", learn)

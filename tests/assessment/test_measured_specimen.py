@@ -367,7 +367,7 @@ def test_a_linear_specimen_loses_nothing() -> None:
     assert specimen.families[0].weight == 1.0
     assert size.value == pytest.approx(rms.value, rel=0.01)
     assert 0.75 * (rms.high - rms.low) < size.high - size.low < 1.3 * (rms.high - rms.low)
-    for name, part in stated_values.parts().by_name.items():
+    for name, part in stated_values.division.parts().by_name.items():
         assert specimen.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
 
 
@@ -377,11 +377,11 @@ def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     test = _simulate_family("bilinear", 8)
     specimen = _learn_from(test, known=PriorKnowledge(tolerances={"mass": 0.03}), feedback_lag=0.001)
     parts = specimen.parts().by_name
-    full_test = specimen.rebuilt.smooth_error
+    full_test = specimen.rebuilt.displacements[0].smooth_error
     peak = np.abs(full_test).max()
     assert sum(part.history for part in parts.values()) == pytest.approx(full_test, abs=1e-6 * peak)
     assert set(parts) == {"amplitude", "delay", "neither", "fed_back_force"}
-    displacement = specimen.part_of_tracking(full_test + specimen.rebuilt.reference)
+    displacement = specimen.part_of_tracking(full_test + specimen.rebuilt.displacements[0].reference)
     late = parts["fed_back_force"].history
     assert displacement.history + late == pytest.approx(full_test, abs=0.01 * peak)
     contributions = {single.name: single.contribution for single in specimen.widenings()}

@@ -7,7 +7,7 @@ import pytest
 from rebuilt_error.by_transform import respond_spectrally
 
 from reliab.assessment.inference.band import AnalysisBand
-from reliab.assessment.parts import divide, part_of, part_of_tracking
+from reliab.assessment.parts import divide, fit_followers, part_of, part_of_tracking
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -26,10 +26,12 @@ def histories():
     command = 0.02 * np.sin(2.0 * np.pi * 1.2 * TIME) * np.sin(0.4 * TIME) ** 2
     measured_displacement = 0.98 * np.interp(TIME - 0.005, TIME, command)
     return Histories(
-        command=command,
-        measured=measured_displacement,
-        fed_back=command - measured_displacement,
+        command=command[np.newaxis],
+        measured=measured_displacement[np.newaxis],
+        fed_back=(command - measured_displacement)[np.newaxis],
         time_step=STEP,
+        standing=np.zeros(1),
+        carry=np.eye(1),
     )
 
 
@@ -38,15 +40,15 @@ def response(difference, structure=STRUCTURE):
 
 
 def test_parts_of_no_error_have_no_share(histories):
-    perfect = replace(histories, measured=histories.command, fed_back=np.zeros(TIME.size))
-    for part in divide(perfect, STRUCTURE, BAND).by_name.values():
+    perfect = replace(histories, measured=histories.command, fed_back=np.zeros((1, TIME.size)))
+    for part in divide(perfect, STRUCTURE, BAND).parts().by_name.values():
         assert np.abs(part.history).max() < 1e-12
     nothing = part_of(np.zeros(5), np.zeros(5), 1.0)
     assert (nothing.share, nothing.rms, nothing.remaining_mte) == (0.0, 0.0, 0.0)
 
 
 def test_a_part_over_time_keeps_its_mean_square(histories):
-    parts = divide(histories, STRUCTURE, BAND)
+    parts = divide(histories, STRUCTURE, BAND).parts()
     for name, part in parts.by_name.items():
         square = np.mean(part.history**2)
         stretches = parts.rms_over_time(STEP, 2.0)[name]
@@ -58,14 +60,17 @@ def test_a_part_over_time_keeps_its_mean_square(histories):
 
 
 def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
-    parts = divide(histories, STRUCTURE, BAND)
-    rate = np.gradient(histories.command, STEP)
-    basis = np.stack([histories.command, -rate, np.ones(TIME.size)])
-    gain, delay, _ = np.linalg.lstsq(basis.T, histories.measured, rcond=None)[0]
-    assert (parts.gain, parts.delay) == pytest.approx((gain, delay))
-    error = response(histories.difference) - histories.difference
-    ideal = np.abs(histories.measured - error).max()
-    for name, wrong in (("amplitude", (1.0 - gain) * histories.command), ("delay", delay * rate)):
+    parts = divide(histories, STRUCTURE, BAND).parts()
+    command, measured_displacement = histories.command[0], histories.measured[0]
+    rate = np.gradient(command, STEP)
+    basis = np.stack([command, -rate, np.ones(TIME.size)])
+    gain, delay, _ = np.linalg.lstsq(basis.T, measured_displacement, rcond=None)[0]
+    gains, delays, _ = fit_followers(command, measured_displacement, STEP)
+    assert (gains.item(), delays.item()) == pytest.approx((gain, delay))
+    difference = command - measured_displacement
+    error = response(difference) - difference
+    ideal = np.abs(measured_displacement - error).max()
+    for name, wrong in (("amplitude", (1.0 - gain) * command), ("delay", delay * rate)):
         piece, part = response(wrong) - wrong, parts.by_name[name]
         assert part.history == pytest.approx(piece, abs=1e-6)
         assert part.rms == pytest.approx(np.sqrt(mean_square(piece)) / ideal, rel=1e-3)
@@ -76,13 +81,13 @@ def test_parts_are_gain_delay_and_rest_of_least_squares(histories):
 
 
 def test_exactly_described_actuator_accounts_for_the_whole_error(histories):
-    part = part_of_tracking(histories, STRUCTURE, BAND, histories.measured)
+    part = part_of_tracking(histories, STRUCTURE, BAND, histories.measured[0])
     assert part.share == pytest.approx(1.0)
     assert part.remaining_rms == pytest.approx(0.0, abs=1e-12)
-    half = part_of_tracking(histories, STRUCTURE, BAND, 0.5 * (histories.measured + histories.command))
+    half = part_of_tracking(histories, STRUCTURE, BAND, 0.5 * (histories.measured + histories.command)[0])
     assert half.share == pytest.approx(0.5)
     assert half.rms == pytest.approx(0.5 * part.rms)
-    ideal = np.abs(histories.measured - part.history).max()
+    ideal = np.abs(histories.measured[0] - part.history).max()
     assert half.remaining_mte == pytest.approx(0.5 * np.abs(part.history).max() / ideal)
 
 

@@ -40,7 +40,7 @@ def make_question(threshold, **changes):
 
 
 def error_under(rebuilt, threshold):
-    return ErrorOfTest(rebuilt=rebuilt, metric=Metric.RMS, threshold=threshold, damping_ratio=0.04)
+    return ErrorOfTest(rebuilt=rebuilt, metric=Metric.RMS, threshold=threshold)
 
 
 @pytest.fixture(scope="module")

@@ -38,6 +38,7 @@ def judge_test(family: str, test: FrameTest) -> dict[str, object]:
     """Judge a test by its force, and that of a linear specimen as it is stated, too."""
     assessment = assess(test.recording, test.frame, measured_specimen=True)
     rebuilt, original = assessment.error.rebuilt, test.moved - test.exact
+    displacement = rebuilt.displacements[0]
     row = {
         "family": family,
         "true": test.error,
@@ -45,8 +46,8 @@ def judge_test(family: str, test: FrameTest) -> dict[str, object]:
         "low": rebuilt.rms.low,
         "high": rebuilt.rms.high,
         "word": str(assessment.verdict),
-        "inside": np.mean((rebuilt.low <= original) & (original <= rebuilt.high)),
-        "left": np.sqrt(np.mean((rebuilt.reference - test.exact) ** 2) / np.mean(original**2)),
+        "inside": np.mean((displacement.low <= original) & (original <= displacement.high)),
+        "left": np.sqrt(np.mean((displacement.reference - test.exact) ** 2) / np.mean(original**2)),
     }
     if family == "linear":
         stated_error = assess(test.recording, test.frame, linear_specimen=True).error.rebuilt.rms

@@ -40,6 +40,7 @@ from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -107,7 +108,7 @@ def history(series: Series, number: int) -> Iterator[Row]:
     o = test.outcome
     rebuilt = rebuild(o.command, o.measured, STEP, test.structure, draws=2)
     true = o.measured - o.ideal
-    off = float(np.sqrt(np.mean((rebuilt.error - true) ** 2) / np.mean(true**2)))
+    off = float(np.sqrt(np.mean((rebuilt.displacements[0].error - true) ** 2) / np.mean(true**2)))
     yield {"actuator": test.lab.kind, "off": off}
 
 
@@ -295,7 +296,7 @@ def nonlinear(series: Series, number: int) -> Iterator[Row]:
         force = o.force + lab.noise("white", o.force.size, 0.01 * float(np.std(o.force)), rng)
         plain = rebuild(o.command, measured, STEP, Structure(frequency=f, damping_ratio=xi), draws=2)
         row: Row = {"specimen": SPECIMENS[kind], "linear_ratio": plain.rms.value / o.rms}
-        row["flagged"] = examine_specimen(plain.histories.measured, force, STEP, f).nonlinear
+        row["flagged"] = examine_specimen(plain.histories.measured[0], force, STEP, f).nonlinear
         if test is not None:
             rebuilt_with_model = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
             row["ratio"] = rebuilt_with_model.rms.value / o.rms
@@ -368,7 +369,8 @@ def monitor(series: Series, count: int) -> None:
                 follow.ask()
         spent = (time.process_time() - begin) / (o.command.size - chunk)
         last = follow.ask(draws=256)
-        off = np.abs(follow.error - offline_error.error).max() / np.abs(offline_error.error).max()
+        expected = offline_error.displacements[0].error
+        off = np.abs(follow.error - expected).max() / np.abs(expected).max()
         print(
             f"{1e6 * spent:.1f} µs of processor a sample, history off by {off:.1e}, "
             f"RMS^R by {abs(last.rms.value / offline_error.rms.value - 1.0):.1e}, its high end by "
@@ -386,7 +388,7 @@ def offline(series: Series, count: int) -> None:
         begin = time.process_time()
         rebuilt = rebuild(o.command, measured, STEP, test.structure, known=tolerances)
         middle = time.process_time()
-        rebuilt.widenings()
+        rebuilt.inferred.widenings(Metric.RMS)
         widening_time = time.process_time() - middle
         print(f"{o.command.size} samples: {middle - begin:.3f} s, widenings {widening_time:.3f} s")
 

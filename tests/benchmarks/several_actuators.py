@@ -25,11 +25,11 @@ import paths  # noqa: F401 - makes the laboratories importable
 from coupled_structures import coupled_response, described, node, plate, two_storeys
 from laboratory_tests import THRESHOLD, argument_parser
 from rebuilt_error.laboratory import read_at2
+from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
-from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.recordings.coupled_recording import CoupledRecording

@@ -7,7 +7,7 @@ from coupled_structures import coupled_response
 from drawn_tests import draw_several_actuators, errors_of_assess, loop_with_delay, random_partition, shaken
 
 from reliab.app.api.monitor import export_monitor
-from reliab.assessment.rebuild import rebuild_coupled
+from reliab.assessment.rebuild import rebuild
 from reliab.core.shipped import shipped
 from reliab.in_loop.sources import LoopMonitor
 from reliab.simulation.frames.frame_file import read_structure
@@ -42,7 +42,7 @@ def test_a_simulated_test_of_the_shipped_frame_is_followed(tmp_path):
     expected = errors_of_assess(frame.partition, frame.to_interface, command, reading, rate)
     assert (np.abs(ours.error - expected) < 1e-12 * peaks).all()
     assert (np.abs(ours.error - true).max(axis=1) < 0.02 * np.abs(true).max(axis=1)).all()
-    assessment = rebuild_coupled(
+    assessment = rebuild(
         command, reading, 1.0 / rate, frame.partition, to_interface=frame.to_interface, draws=8
     )
     errors = [degree.rms.value for degree in assessment.displacements]

@@ -12,9 +12,6 @@ import numpy as np
 
 from reliab.app.api.arguments import parse_filters, require_sound, structure_of
 from reliab.assessment.budget.sizes import Equipment, limit_certainty, tolerances_of_structure
-from reliab.assessment.coupled_error import CoupledError
-from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.error_with_threshold import UNKNOWN
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
@@ -24,6 +21,7 @@ from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS
 from reliab.assessment.rebuilt_error.running_test import FALSE_ERROR_ALARMS
+from reliab.assessment.rebuilt_error.spread import UNKNOWN
 from reliab.assessment.verdict import Word, error_in_words, word_of_probability
 from reliab.core.encodings import pieces_as_utf8
 from reliab.core.files import written_whole
@@ -308,7 +306,7 @@ class FollowedTest:
         verdict = self._describe_verdict(
             Word(content["verdict"]), content["reasons"], content["would_decide"]
         )
-        specimen = assessment.error.specimen if isinstance(assessment.error, ErrorOfTest) else None
+        specimen = assessment.error.specimen
         if specimen is not None:
             verdict["specimen"] = {
                 "learning": not specimen.learned,
@@ -316,7 +314,7 @@ class FollowedTest:
                 "until_s": now.time,
             }
             verdict |= {metric: error[metric]["value"] for metric in Metric}
-            verdict["error_m"] = specimen.rebuilt.error[-1].item()
+            verdict["error_m"] = specimen.rebuilt.displacements[0].error[-1].item()
         return replace(self._message(monitor, "end", error=error, **verdict), assessment=assessment)
 
     def _describe_verdict(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:
@@ -352,11 +350,11 @@ class FollowedTest:
         }
         return Message(kind=kind, content=content, monitor=monitor, alarms=self.alarms)
 
-    def _intervals(self, request: RebuiltError | CoupledError | None, monitor: AnyMonitor) -> dict[str, Any]:
+    def _intervals(self, request: RebuiltError | None, monitor: AnyMonitor) -> dict[str, Any]:
         """Give intervals of the error that was asked for, of several actuators those of each displacement."""
         displacements: dict[str, Any] = {}
         assumed = request is not None and request.inferred.assumed
-        if isinstance(request, CoupledError):
+        if request is not None and len(request.displacements) > 1:
             governing = request.governing(self.metric)
             displacements = {
                 "governing": None if governing is None else governing.name,

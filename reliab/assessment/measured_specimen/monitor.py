@@ -81,7 +81,7 @@ class MeasuredMonitor(RunningTest):
         return Now(
             samples=self.samples,
             time=(self.samples - 1) * self.time_step,
-            error=None if last is None else float(last.error[-1]),
+            error=None if last is None else float(last.displacements[0].error[-1]),
             rms=None if last is None else last.rms.value,
             mte=None if last is None else last.mte.value,
             damping=self._energy.net,
@@ -92,7 +92,8 @@ class MeasuredMonitor(RunningTest):
         if self._known is None:
             return 0.0
         sums = RunningSums()
-        sums.add(np.zeros_like(self._known.reference), self._known.reference)
+        reference = self._known.displacements[0].reference
+        sums.add(np.zeros_like(reference), reference)
         return sums.calm * self.time_step
 
     def ask(self, *, at_end: bool = False) -> RebuiltError | None:
@@ -105,13 +106,13 @@ class MeasuredMonitor(RunningTest):
             is_known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
             self._known = self._specimen.rebuilt if is_known else None
         error = self._known
+        if error is None:
+            self._conclude(None, {})
+            return None
         command, measured_displacement, _ = self._parts[0]
-        self._conclude(
-            error,
-            {} if error is None else {"": error},
-            lost_in_noise=error is not None
-            and is_lost_in_noise(command - measured_displacement, float(np.abs(error.reference).max())),
-        )
+        peak = float(np.abs(error.displacements[0].reference).max())
+        is_lost = is_lost_in_noise(command - measured_displacement, peak)
+        self._conclude(error, {"": error}, lost_in_noise=is_lost)
         return error
 
     def _learn(self, *, at_end: bool) -> MeasuredSpecimen | None:

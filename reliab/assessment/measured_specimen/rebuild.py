@@ -30,7 +30,7 @@ from reliab.assessment.parts import (
     NEITHER,
     ErrorPart,
     Parts,
-    follow,
+    fit_followers,
     part_of,
     parts_of,
 )
@@ -102,7 +102,7 @@ class MeasuredSpecimen:
         command, and their effect on each other counts as neither.
         """
         test, error = self.test, self._error
-        gain, delay, differences = follow(test.command, test.measured, test.time_step)
+        *_, (differences,) = fit_followers(test.command, test.measured, test.time_step)
         pieces = {
             name: self._error_of_displacement(test.command - differences[name]) for name in (AMPLITUDE, DELAY)
         }
@@ -111,9 +111,7 @@ class MeasuredSpecimen:
             tracking_error = self._error_of_displacement(test.measured)
             pieces[FED_BACK_FORCE] = error - tracking_error
         pieces[NEITHER] = tracking_error - pieces[AMPLITUDE] - pieces[DELAY]
-        return parts_of(
-            gain, delay, {name: test.interpolate(piece) for name, piece in pieces.items()}, self._peak
-        )
+        return parts_of({name: test.interpolate(piece) for name, piece in pieces.items()}, self._peak)
 
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
@@ -149,7 +147,7 @@ class MeasuredSpecimen:
 
     @property
     def _peak(self) -> float:
-        return float(np.abs(self.rebuilt.reference).max())
+        return float(np.abs(self.rebuilt.displacements[0].reference).max())
 
 
 def rebuild_with_force(
@@ -203,11 +201,10 @@ def rebuild_learned(
         force = _check_force(force, command)
         stride = _samples_in_step(structure, step)
         require_fitting(command.size, stride, step)
-        smooth = noise.smooth(command - readings.read[0])
-        histories = Histories(command=command, measured=command - smooth, fed_back=smooth, time_step=step)
+        histories = readings.smoothed
         thin = histories.thin(stride)
         recorded_force = np.ascontiguousarray(noise.smooth(force)[::stride])
-        channel_columns = columns_of_channel(recorded_force, thin.measured, thin.time_step)
+        channel_columns = columns_of_channel(recorded_force, thin.measured[0], thin.time_step)
         path = _path(
             histories, force, recorded_force - channel.values @ channel_columns, stride, noise, structure
         )
@@ -255,13 +252,13 @@ def _path(
     thin = histories.thin(stride)
     shares = white_floor(force) / np.var(force) + noise.white**2 / np.var(histories.measured)
     return MeasuredPath(
-        displacement=thin.measured,
+        displacement=thin.measured[0],
         force=specimen_force,
         time_step=thin.time_step,
         noise=replace(noise, time_step=thin.time_step, band=min(noise.band, _FILTER_SHARE / thin.time_step)),
         block=min(
             _PERIODS_OF_BLOCK / float(structure.natural_frequencies[0]),
-            thin.command.size * thin.time_step / _FEWEST_BLOCKS,
+            thin.command[0].size * thin.time_step / _FEWEST_BLOCKS,
         ),
         noisy=float(np.sqrt(shares * np.sum(noise.filter**2))),
     )

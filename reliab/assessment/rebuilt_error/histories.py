@@ -15,45 +15,34 @@ _FEWEST_SWEPT = 4096  # samples up to which the motion's band, too, is resolved 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histories:
-    """Histories from which the error is rebuilt, without offsets of the sensors: of one actuator, or of p."""
+    """Histories of p actuators from which the error is rebuilt, without offsets of the sensors."""
 
-    command: Array  # command, measured: x_c and the smoothed x_m at the sensors [m], shape (n,) or (p, n)
+    command: Array  # command, measured: x_c and the smoothed x_m at the sensors [m], shape (p, n)
     measured: Array
     # x_c minus the displacement whose force was fed back, at the interface [m]: x_c − x_m unless it was late
     fed_back: Array
     time_step: float  # Step [s]
-    # x_c − x_m at the interface [m] under which the structure stood still before the first sample
-    standing: float | Array = 0.0
-    # Interface displacements of unit displacements of the sensors [-], shape (p, p); None of one, which
-    # stands there
-    carry: Array | None = None
-
-    def carry_to_interface(self, displacements: Array) -> Array:
-        """Displacements of the interface by those at the sensors [m], shape (…, n)."""
-        return displacements if self.carry is None else np.asarray(self.carry @ displacements)
-
-    def carry_sensor(self, place: int, displacement: Array) -> Array:
-        """Carry the displacement of one sensor, shape (…, n), to the interface [m], shape (…, p, n)."""
-        row = displacement[..., np.newaxis, :]
-        return row if self.carry is None else np.asarray(self.carry[:, place, np.newaxis] * row)
+    # x_c − x_m at the interface [m] under which the structure stood still before the first sample, shape (p,)
+    standing: Array
+    carry: Array  # Interface displacements of unit displacements of the sensors [-], shape (p, p)
 
     @cached_property
     def difference(self) -> Array:
-        """x_c − x_m at the interface [m], shape (n,) or (p, n)."""
-        return self.carry_to_interface(self.command - self.measured)
+        """x_c − x_m at the interface [m], shape (p, n)."""
+        return np.asarray(self.carry @ (self.command - self.measured))
 
     @property
     def late(self) -> Array:
         """What a force that was fed back late adds to x_c − x_m at the interface [m], shape (p, n)."""
-        return np.atleast_2d(self.fed_back - self.difference)
+        return np.asarray(self.fed_back - self.difference)
 
     def thin(self, stride: int) -> "Histories":
         """Each `stride`-th sample."""
         return replace(
             self,
-            command=np.ascontiguousarray(self.command[..., ::stride]),
-            measured=np.ascontiguousarray(self.measured[..., ::stride]),
-            fed_back=np.ascontiguousarray(self.fed_back[..., ::stride]),
+            command=np.ascontiguousarray(self.command[:, ::stride]),
+            measured=np.ascontiguousarray(self.measured[:, ::stride]),
+            fed_back=np.ascontiguousarray(self.fed_back[:, ::stride]),
             time_step=stride * self.time_step,
         )
 

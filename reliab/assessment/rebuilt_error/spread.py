@@ -1,12 +1,15 @@
 """Errors of many draws, their intervals and their probabilities."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import scipy
 
+from reliab.assessment.rebuilt_error.noise import LOST_IN_NOISE
 from reliab.core.arrays import Array
 from reliab.core.plain_values import finite
+from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric
 
 LEVEL = 0.90
@@ -30,6 +33,10 @@ class Estimate:
     def to_dict(self) -> dict[str, float | None]:
         """Put it into plain values."""
         return {name: finite(value) for name, value in vars(self).items()}
+
+
+UNKNOWN: Final = Estimate(value=np.nan, low=np.nan, high=np.nan)
+"""An error that is not known."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,6 +83,23 @@ class DisplacementError:
     reference: Array  # x_I [m], what the undisturbed structure would have done, shape (n,)
     deviation: Array  # Standard deviation of both over the draws [m], shape (n,)
     draws: ErrorDraws  # RMS^R and MTE^R of the draws behind the intervals
+    name: str = ""
+    noise: float = 0.0  # Standard deviation of x_c − x_m that noise leaves open, over the peak of x_I [-]
+
+    @property
+    def judged(self) -> bool:
+        """Whether the displacement moves enough for its noise."""
+        return bool(self.noise < LOST_IN_NOISE)
+
+    @property
+    def refusal_reason(self) -> str:
+        """Say why the displacement is not judged."""
+        if np.isinf(self.noise):
+            return f"{self.name} does not move, and its error is not judged."
+        return (
+            f"{self.name} moves too little for the noise of its sensors, which leaves "
+            f"{percent(self.noise)} of its largest displacement open: its error is not judged."
+        )
 
     @property
     def rms(self) -> Estimate:

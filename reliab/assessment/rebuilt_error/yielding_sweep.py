@@ -72,10 +72,10 @@ def errors_with_specimens(
         float(recursion.feed_through[0, 0]),
         specimens[0].kernel.address,
         np.stack(coefficients),
-        recursion.static @ np.array([histories.standing, 0.0]),
-        histories.command,
-        histories.measured,
-        np.ascontiguousarray(histories.fed_back),
+        recursion.static @ np.array([histories.standing[0], 0.0]),
+        histories.command[0],
+        histories.measured[0],
+        histories.fed_back[0],
     )
     return np.asarray(_sweep(*arguments))
 

@@ -69,7 +69,7 @@ def test_final_message_equals_offline_result(good, capsys):
     assert end["samples"] == recording.command.size
     assert end["error"]["rms"]["value"] == pytest.approx(assessment.rms.value, rel=1e-6)
     assert end["error"]["rms"]["high"] == pytest.approx(assessment.rms.high, rel=1e-6)
-    assert end["error_m"] == pytest.approx(assessment.error[-1], rel=1e-3)
+    assert end["error_m"] == pytest.approx(assessment.displacements[0].error[-1], rel=1e-3)
     assert end["alarms"] == []
     assert not any(item["near_instability"] for item in output)
     assert [item["samples"] for item in output[:3]] == [128, 256, 384]
@@ -501,7 +501,7 @@ def test_a_frame_is_followed_as_it_is_assessed(good, tmp_path, capsys):
     assert run(["monitor", str(good), "--every", "60", "--wait", "0.1", "--threshold", "2", *arguments]) == 0
     end = messages(capsys.readouterr().out)[-1]
     rebuilt = reliab.assess(good, path, threshold=2.0).error.rebuilt
-    assert end["error_m"] == pytest.approx(rebuilt.error[-1], rel=0.1)  # with all as stated
+    assert end["error_m"] == pytest.approx(rebuilt.displacements[0].error[-1], rel=0.1)  # with all as stated
     assert end["error"]["rms"]["value"] == pytest.approx(rebuilt.rms.value, rel=1e-6)
     assert end["error"]["rms"]["high"] == rebuilt.rms.high
     assert end["error"]["probability"] <= 0.99

@@ -141,7 +141,7 @@ def test_the_budget_names_sizes_sources_and_remedies_largest_first(assessment):
 
 def test_contributions_add_up_to_the_interval(assessment):
     """Independent contributions add in squares, as far as the error is linear in them."""
-    errors = assessment.error.rebuilt.draws.rms
+    errors = assessment.error.displacements[0].draws.rms
     full_test = np.sqrt(sum(item.contribution**2 for item in assessment.error.budget))
     assert full_test == pytest.approx(np.std(errors), rel=0.3)
 

@@ -70,7 +70,7 @@ def test_later_equilibrium_applies_to_all_earlier_samples(outcome):
     measured_displacement = np.concatenate([np.zeros(1024), outcome.measured])
     monitor = feed_chunks(command, measured_displacement, (5000,))
     monitor.ask()
-    assert rebuild(command, measured_displacement, STEP, STRUCTURE).start.standing != 0.0
+    assert rebuild(command, measured_displacement, STEP, STRUCTURE).readings.starts[0].standing != 0.0
     true = outcome.measured - outcome.ideal
     assert np.abs(monitor.error[1024:] - true).max() < 1e-4 * np.abs(true).max()
 

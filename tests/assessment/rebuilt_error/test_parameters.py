@@ -116,7 +116,7 @@ def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
     structure = Structure(frequency=1.0, damping_ratio=0.03)
     test = HybridTest(structure=structure, specimen=specimen, effects=(effect,))
     linear = rebuild(outcome.command, noisy(outcome.measured), STEP, structure)
-    check = examine_specimen(linear.histories.measured, noisy(outcome.force), STEP, 1.0)
+    check = examine_specimen(linear.histories.measured[0], noisy(outcome.force), STEP, 1.0)
     assert check.nonlinear
     model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
     assert model_error.rms.value == pytest.approx(outcome.rms, rel=0.01)

@@ -292,7 +292,7 @@ def test_forgotten_rest_still_counts_as_time():
         monitor.ask(draws=16),
         rebuild(command, measured_displacement, STEP, STRUCTURE, draws=16),
     )
-    assert error.start.offset == pytest.approx(full_test.start.offset, rel=1e-3)
+    assert error.readings.starts[0].offset == pytest.approx(full_test.readings.starts[0].offset, rel=1e-3)
     assert error.rms.value == pytest.approx(full_test.rms.value, rel=0.02)
     assert monitor.now.rms == pytest.approx(full_test.rms.value, rel=0.02)
 

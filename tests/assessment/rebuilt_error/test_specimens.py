@@ -54,7 +54,7 @@ def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     monitor = Monitor(STRUCTURE, STEP)
     monitor.feed(outcome.command, outcome.measured)
     inside = slice(0, -int(0.5 / STEP))  # the motion goes on after the record
-    difference = (model_error.error - monitor.error)[inside]
+    difference = (model_error.displacements[0].error - monitor.error)[inside]
     assert np.abs(difference).max() < 2e-3 * np.abs(monitor.error).max()
 
 
@@ -68,7 +68,9 @@ def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outc
     stated_values = PriorKnowledge(tolerances=tolerances)
     linear = rebuild(*arguments, STRUCTURE, known=stated_values, sensor_offset=0.0, draws=64)
     model_error = rebuild_with_specimen(*arguments, model(), known=stated_values, sensor_offset=0.0, draws=32)
-    ratio = np.median(model_error.deviation[500:]) / np.median(linear.deviation[500:])
+    ratio = np.median(model_error.displacements[0].deviation[500:]) / np.median(
+        linear.displacements[0].deviation[500:]
+    )
     assert ratio == pytest.approx(1.0, abs=0.3)
 
 
@@ -202,6 +204,6 @@ def test_motion_between_simulated_samples_counts(outcome):
     fine = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=2)
     test = replace(fine.inferred.test, every=2 * fine.inferred.every)
     error, exact = test.on_record(test.solve(fine.inferred.posterior.mode))[:, 0]
-    peak = np.abs(fine.reference).max()
+    peak = np.abs(fine.displacements[0].reference).max()
     assert np.abs(exact).max() == pytest.approx(peak, rel=2e-3)
     assert np.sqrt(mean_square(error)) / peak == pytest.approx(fine.rms.value, rel=5e-3)

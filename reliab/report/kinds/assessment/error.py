@@ -6,11 +6,10 @@ from typing import Final, Literal
 import numpy as np
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.error_of_test import CANCELLING, PART_NAMES, ErrorOfTest, part_in_words
-from reliab.assessment.error_with_threshold import ErrorWithThreshold
+from reliab.assessment.error_of_test import CANCELLING, ErrorOfTest
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
-from reliab.assessment.parts import Parts
+from reliab.assessment.parts import PART_NAMES, Parts, part_in_words
 from reliab.assessment.rebuilt_error.spread import DisplacementError, Estimate
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Word, error_in_words, next_steps
@@ -199,7 +198,7 @@ def _label(cause: str) -> str:
     return PART_NAMES.get(cause, cause.removeprefix("actuator_").replace("_", " "))
 
 
-def improve_first(error: ErrorWithThreshold) -> str:
+def improve_first(error: ErrorOfTest) -> str:
     """Say which part of the error to improve first, and what would remain."""
     if not error.parts.by_name:
         return "No displacement stands out of the noise."
@@ -216,7 +215,7 @@ def improve_first(error: ErrorWithThreshold) -> str:
     )
 
 
-def error_sentence(error: ErrorWithThreshold, word: Word) -> Prose:
+def error_sentence(error: ErrorOfTest, word: Word) -> Prose:
     """State the verdict on a test, its error, and the probability that it is small enough."""
     size = error.estimate(error.metric)
     if np.isnan(size.value):

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from reliab.assessment.error_of_test import part_in_words
-from reliab.assessment.error_with_threshold import ErrorOfSeveral
+from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
+from reliab.assessment.parts import part_in_words
 from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
@@ -67,7 +67,7 @@ def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], S
     error_blocks = (
         errors_table(error, recording),
         budget_table(error.budget, error.would_decide),
-        histories_figure(error.rebuilt, error.parts, recording),
+        histories_figure(error.displacements[0], error.parts, recording),
     )
     return error_blocks, Section(
         title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment)
@@ -270,7 +270,7 @@ def _errors(assessment: CoupledAssessment) -> Table:
     )
 
 
-def _parts(error: ErrorOfSeveral) -> Table:
+def _parts(error: ErrorOfTest) -> Table:
     shares = {
         degree.name: (decimals_of_error(degree.rms), error.parts_of(degree).by_name)
         for degree in error.displacements
@@ -302,7 +302,7 @@ def _parts(error: ErrorOfSeveral) -> Table:
 
 
 def _tracking(assessment: CoupledAssessment) -> Table:
-    gain, delay = np.asarray(assessment.error.parts.gain), np.asarray(assessment.error.parts.delay)
+    gain, delay = assessment.error.rebuilt.readings.tracking
     rows = [
         (
             f"Actuator {number}",

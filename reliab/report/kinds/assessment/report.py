@@ -39,7 +39,7 @@ def assessment_report(
             blocks=(
                 errors_table(error, recording),
                 budget_table(error.budget, error.would_decide),
-                histories_figure(error.rebuilt, error.parts, recording),
+                histories_figure(error.displacements[0], error.parts, recording),
             ),
         ),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),

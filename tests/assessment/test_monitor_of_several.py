@@ -1,4 +1,4 @@
-"""The running errors of a test with several actuators: those of `rebuild_coupled`, however samples come."""
+"""The running errors of a test with several actuators: those of `rebuild`, however samples come."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from coupled_structures import coupled_response, described, node, two_storeys
 
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.monitor import Monitor
-from reliab.assessment.rebuild import rebuild_coupled
+from reliab.assessment.rebuild import rebuild
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
@@ -35,14 +35,14 @@ def test_errors_are_those_of_the_whole_test_however_samples_come(build, lag):
         np.split(command, cuts, axis=1), np.split(measured_displacement, cuts, axis=1), strict=True
     ):
         monitor.feed(*rows)
-    full_test = rebuild_coupled(
+    full_test = rebuild(
         command,
         measured_displacement,
         1.0 / RATE,
         partition,
         to_interface=carry,
         feedback_lag=lag,
-        sensor_offsets=np.zeros(partition.degrees),
+        sensor_offset=np.zeros(partition.degrees),
         draws=128,
     )
     for degree in full_test.displacements:
@@ -63,7 +63,7 @@ def test_answer_at_the_end_equals_the_error_rebuilt_afterwards():
             monitor.ask()
     at_end, afterwards = (
         monitor.ask(draws=DRAWS),
-        rebuild_coupled(command, measured_displacement, 1.0 / RATE, partition),
+        rebuild(command, measured_displacement, 1.0 / RATE, partition),
     )
     for now, then in zip(at_end.displacements, afterwards.displacements, strict=True):
         assert (now.name, now.rms, now.mte) == (then.name, then.rms, then.mte)

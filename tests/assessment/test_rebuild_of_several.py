@@ -7,13 +7,12 @@ import pytest
 from coupled_structures import coupled_response, lag
 
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
-from reliab.assessment.rebuild import rebuild, rebuild_coupled
+from reliab.assessment.rebuild import rebuild
 from reliab.core.shipped import shipped
 from reliab.core.vocabulary import Metric
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix
 from reliab.structures.partition import Partition
-from reliab.structures.structure import Structure
 
 STEP = 1.0 / 256.0
 
@@ -52,7 +51,7 @@ def rebuilt(frame, run, noise=0.0, seed=0, draws=32, **options):
     measured_displacement = measured_displacement + noise * measured_displacement.std(
         axis=1, keepdims=True
     ) * generator.normal(size=measured_displacement.shape)
-    return rebuild_coupled(
+    return rebuild(
         command,
         measured_displacement,
         STEP,
@@ -73,9 +72,9 @@ def test_without_noise_it_is_the_true_error(frame, run):
 def test_parts_of_actuators_and_causes_add_up_to_the_error(frame, run):
     """The parts are those of the most probable world, the error is the mean over all."""
     error = rebuilt(frame, run, draws=64)
-    together = np.sum(list(error.division.histories.values()), axis=0)
+    together = np.sum(list(error.division.pieces.values()), axis=0)
     for place, degree in enumerate(error.displacements):
-        parts = error.division.parts_of_degree(place)
+        parts = error.division.parts(place)
         assert sum(part.share for part in parts.by_name.values()) == pytest.approx(1.0, abs=1e-9)
         assert parts.rms == pytest.approx(degree.rms.value, rel=1e-3)
         inner, size = slice(20, -20), np.abs(degree.smooth_error).max()
@@ -102,9 +101,9 @@ def test_stated_offsets_are_taken_away_and_none_is_left_open(frame, run):
     shift = replace(run, measured=run.measured + np.linalg.solve(frame.kinematics, offsets)[:, np.newaxis])
     exact, stated_values = (
         rebuilt(frame, run, draws=4),
-        rebuilt(frame, shift, draws=4, sensor_offsets=offsets),
+        rebuilt(frame, shift, draws=4, sensor_offset=offsets),
     )
-    assert [start.offset_deviation for start in stated_values.starts] == [0.0, 0.0]
+    assert [start.offset_deviation for start in stated_values.readings.starts] == [0.0, 0.0]
     result, expected = (
         [degree.rms.value for degree in single.displacements] for single in (stated_values, exact)
     )
@@ -154,7 +153,7 @@ def test_common_noise_of_both_sensors_cancels_in_their_difference(frame, run):
     own_value = 2e-2 * measured_displacement.std() * generator.normal(size=measured_displacement.shape)
     remainder = []
     for noise in (own_value, own_value[:1]):
-        error = rebuild_coupled(
+        error = rebuild(
             command,
             measured_displacement + noise,
             STEP,
@@ -189,23 +188,9 @@ def test_degree_at_rest_is_not_judged(run):
         specimen_stiffness=np.diag([1.4e6, 4e5]),
         names=("x", "theta"),
     )
-    error = rebuild_coupled(command, measured_displacement, STEP, partition, draws=8)
+    error = rebuild(command, measured_displacement, STEP, partition, draws=8)
     assert [degree.judged for degree in error.displacements] == [True, False]
     assert error.governing(Metric.RMS).name == "x"
-
-
-def test_one_interface_displacement_is_the_case_of_one_actuator():
-    structure = Structure(frequency=1.0, damping_ratio=0.04, experimental_fraction=0.8)
-    partition = Partition.from_structure(structure, 1000.0)
-    time = np.arange(0.0, 20.0, STEP)
-    command = np.sin(2.0 * np.pi * time) * np.minimum(time / 5.0, 1.0) ** 3
-    measured_displacement = np.interp(time - 0.003, time, 0.99 * command)
-    coupled_test = rebuild_coupled(
-        command[np.newaxis], measured_displacement[np.newaxis], STEP, partition, draws=32
-    )
-    scalar = rebuild(command, measured_displacement, STEP, structure, draws=32)
-    assert coupled_test.displacements[0].rms.value == pytest.approx(scalar.rms.value, rel=2e-3)
-    assert coupled_test.displacements[0].mte.value == pytest.approx(scalar.mte.value, rel=2e-3)
 
 
 @pytest.mark.slow
