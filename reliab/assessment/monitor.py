@@ -284,5 +284,5 @@ class Monitor(RunningTest):
             running.command[0] - running.measured[0], running.sums[0].largest
         )
         judged = {degree.name: degree for degree in error.judged}
-        self._conclude(error.governing(self._metric), judged, lost_in_noise=is_lost)
+        self._conclude(error if judged else None, judged, lost_in_noise=is_lost)
         return error

@@ -25,7 +25,6 @@ import paths  # noqa: F401 - makes the laboratories importable
 from coupled_structures import coupled_response, described, node, plate, two_storeys
 from laboratory_tests import THRESHOLD, argument_parser
 from rebuilt_error.laboratory import read_at2
-from reliab.assessment.error_with_threshold import ErrorOfSeveral
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
@@ -104,8 +103,6 @@ def tests(
         begin = time.process_time()
         equipment = exact_equipment() if options.exact else ordinary_equipment()
         error = assess(recording, frame, threshold=THRESHOLD, equipment=equipment).error
-        if not isinstance(error, ErrorOfSeveral):
-            raise TypeError  # these frames have several actuators
         took, probability = time.process_time() - begin, error.probability
         judged = [place for place, degree in enumerate(error.displacements) if degree.judged]
         bad = max(true[place] for place in judged) > THRESHOLD

@@ -50,7 +50,7 @@ def follow_in_both(library, command, reading, seed=1):
 def test_an_offset_of_the_sensor_alone_is_learned_as_python_does(library):
     command, reading = loop(np.concatenate([STILL, shaken(1)]))
     ours, theirs = follow_in_both(library, command, reading + 2e-3)
-    assert ours.offset[-1] == pytest.approx(theirs.result.start.offset, abs=1e-6)
+    assert ours.offset[-1] == pytest.approx(theirs.result.readings.starts[0].offset, abs=1e-6)
     moving = slice(STILL.size + 8, None)
     assert np.abs(ours.error - theirs.error)[moving].max() < 2e-6
 
@@ -61,7 +61,7 @@ def test_offset_of_a_standing_loop_is_kept_as_in_python(library):
         np.concatenate([STILL, shaken(2)]), input_motion=input_motion, gain=1.0, begins=-input_motion
     )
     ours, theirs = follow_in_both(library, command, reading)
-    assert ours.offset[-1] == theirs.result.start.offset == 0.0
+    assert ours.offset[-1] == theirs.result.readings.starts[0].offset == 0.0
     moving = slice(STILL.size + 8, None)
     assert np.abs(ours.error - theirs.error)[moving].max() < 2e-6
 
@@ -73,7 +73,7 @@ def test_offset_moving_the_loop_differs_from_python(library):
     ours, theirs = follow_in_both(
         library, np.append(np.zeros(8), command), np.append(np.full(8, input_motion), reading)
     )
-    assert theirs.result.start.offset == 0.0
+    assert theirs.result.readings.starts[0].offset == 0.0
     assert ours.offset[-1] == pytest.approx(input_motion, rel=1e-2)
     declared_values = follow(
         library, np.append(np.zeros(8), command), np.append(np.full(8, input_motion), reading), (0.0, 0.0)

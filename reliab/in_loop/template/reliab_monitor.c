@@ -1,6 +1,6 @@
 /* The error of a hybrid test while it runs: see reliab_monitor.h. The equations are those of
  * reliab/assessment/rebuilt_error/: recursion.py, running_error.py, running_specimen.py, loop_energy.py, and
- * of ../coupled_error/rebuild.py. */
+ * of ../rebuild.py. */
 #include "reliab_monitor.h"
 
 #include <math.h>
