@@ -86,7 +86,7 @@ def test_effect_without_gain_on_held_out_tests_has_no_name(selection, error_with
 
 @pytest.mark.parametrize(("error_of_rival", "is_kept"), [(0.20, True), (0.205, False)])
 def test_little_effect_stays_if_another_simple_model_would_win_without_it(selection, error_of_rival, is_kept):
-    """It takes 4.5 % off the error, so that it is left out unless a rival is 2 % better than the model then."""
+    """It takes 4.5 % off the error: left out unless a rival is then 2 % better than the model."""
     both = row(HYSTERESIS, CUBIC, share=0.9, left_out=0.1, held_out=0.2)
     single = row(HYSTERESIS, share=0.1, left_out=0.12, held_out=0.209)
     rival = row(POWER, left_out=0.3, held_out=error_of_rival)
