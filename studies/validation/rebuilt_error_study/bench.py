@@ -184,7 +184,7 @@ def _judge_tests(
     periods = command.size * step * stated.frequency
     if condition.stated == RIGHT and periods >= FEWEST_PERIODS:
         force = condition.read(histories.force, bench.rng)
-        seen = examine_specimen(error.histories.measured, force, step, stated.frequency)
+        seen = examine_specimen(error.histories.measured[0], force, step, stated.frequency)
         looks_nonlinear = float(seen.nonlinear)
     yield judge_by_rebuilt_error(error, question), looks_nonlinear
     yield judge_by_verdict(error, question, looks_nonlinear=looks_nonlinear == 1.0), looks_nonlinear
