@@ -14,23 +14,21 @@ import numpy as np
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, exact_equipment
 from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
-from reliab.assessment.conflicts import damping_from_channels
+from reliab.assessment.conflicts import (
+    OwnEquation,
+    compare_with_stated,
+    damping_from_channels,
+    looks_nonlinear,
+)
 from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.fault_effects import error_with_faults
-from reliab.assessment.faults import Fault, faults_of_channel, repair_recording
+from reliab.assessment.faults import Fault, error_with_faults, faults_of_channel, repair_recording
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
-from reliab.assessment.own_equation import (
-    OwnEquation,
-    compare_with_stated,
-    looks_nonlinear,
-)
-from reliab.assessment.placement import place
+from reliab.assessment.placement import place, place_by_response, scope_of_test
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.recorded_ground import require_unit_of_force
-from reliab.assessment.scope_of_test import place_by_response, scope_of_test
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
 from reliab.core.significant_digits import significant

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from reliab.assessment.fault_effects import FaultEffect
+from reliab.assessment.faults import FaultEffect
 from reliab.assessment.findings import Findings
 from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force

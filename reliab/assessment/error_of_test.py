@@ -21,10 +21,9 @@ from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
-from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
-from reliab.assessment.uncertainty_budget import BudgetItem
+from reliab.assessment.uncertainty_budget import BudgetItem, Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.plain_values import Keys, PlainResult, same_names

@@ -11,10 +11,9 @@ from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.parts import ErrorPart
-from reliab.assessment.placement import Placement
+from reliab.assessment.placement import Placement, ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force
-from reliab.assessment.scope_of_test import ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Verdict, verdict_by_index

@@ -26,9 +26,8 @@ from reliab.assessment.inference.quantities import UncertainQuantity
 from reliab.assessment.inference.rebuilt import LinearTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description
 from reliab.assessment.rebuilt_error.histories import Histories
-from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.assessment.rebuilt_error.yielding_sweep import additional_displacement
-from reliab.assessment.uncertainty_budget import NOT_INFERRED, BudgetItem
+from reliab.assessment.uncertainty_budget import NOT_INFERRED, BudgetItem, Widening
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.effects.effect import SteppedEffect

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import numpy as np
 
 from reliab.assessment import brief
+from reliab.assessment.conflicts import OwnEquation
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.fault_effects import FaultEffect
-from reliab.assessment.own_equation import OwnEquation
+from reliab.assessment.faults import FaultEffect
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning

@@ -1,6 +1,10 @@
-"""Unstated conditions that would change a verdict: specimens that yield or harden, filters of one channel."""
+"""Unstated conditions that would change a verdict: specimens that yield or harden, filters of one channel.
 
-from collections.abc import Iterator, Mapping
+A specimen of which nobody recorded the force is stiff as stated up to the largest displacement over a
+ductility, and softer beyond. The error with each ductility follows from the test's own displacements.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -8,19 +12,20 @@ import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.inference.rebuilt import error_of_command
+from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
-from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
-from reliab.assessment.yielding import (
-    DUCTILITIES,
-    HARDENINGS,
-    errors_of_ductilities,
-    errors_of_hardenings,
-    hardening_specimen,
-    largest_displacement,
-    yielded,
+from reliab.assessment.rebuilt_error.histories import Histories
+from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
+from reliab.assessment.rebuilt_error.yielding_sweep import (
+    errors_with_specimens,
+    yielding_specimen,
 )
+from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, significant
+from reliab.core.vocabulary import Metric
+from reliab.effects.cubic_stiffness import CubicStiffness
+from reliab.effects.effect import SteppedEffect
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.signals.filters import LowPass
@@ -189,3 +194,61 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}
+
+
+DUCTILITIES: Final = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
+"""Largest displacement over the yield displacement, from the smallest that is tried."""
+
+HARDENINGS: Final = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
+"""Force beyond the linear one at the largest displacement over that, from the smallest that is tried."""
+
+_HARDENING = 0.03  # stiffness after yielding over that before
+_SHARPNESS = 8.0  # exponent of the hysteresis
+
+
+def errors_of_ductilities(
+    rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
+) -> dict[float, float]:
+    """Errors if the specimen yielded to each ductility, with all else as stated."""
+    peak = _largest(_thin_histories(rebuilt))
+    specimens = [yielded(peak, ductility) for ductility in ductilities]
+    return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
+
+
+def errors_of_hardenings(
+    rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
+) -> dict[float, float]:
+    """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
+    peak = _largest(_thin_histories(rebuilt))
+    specimens = [hardening_specimen(peak, hardening) for hardening in hardenings]
+    return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
+
+
+def yielded(peak: float, ductility: float) -> SteppedEffect:
+    """Return a specimen that yields at a largest displacement [m] over a ductility."""
+    return yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS)
+
+
+def hardening_specimen(peak: float, hardening: float) -> SteppedEffect:
+    """Return a specimen whose force at a largest displacement [m] exceeds the linear one by a share of it."""
+    return CubicStiffness(cubic_n_per_m3=hardening / peak**2)
+
+
+def largest_displacement(rebuilt: RebuiltError) -> float:
+    """Largest measured displacement of a test [m]."""
+    return _largest(_thin_histories(rebuilt))
+
+
+def _thin_histories(rebuilt: RebuiltError) -> Histories:
+    return rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
+
+
+def _largest(histories: Histories) -> float:
+    """Largest measured displacement [m]; 1 m of a specimen that stands still, which never yields."""
+    return float(np.abs(histories.measured).max()) or 1.0
+
+
+def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEffect]) -> list[float]:
+    square, largest, ideal = errors_with_specimens(specimens, _thin_histories(rebuilt), rebuilt.structure).T
+    errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
+    return [float(error) for error in errors]

@@ -6,8 +6,20 @@ from typing import Final
 
 from reliab.assessment.budget.sizes import PriorSource
 from reliab.assessment.inference.uncertain_quantity import Description
-from reliab.assessment.rebuilt_error.widenings import Widening
 from reliab.core.plain_values import PlainResult
+
+
+@dataclass(frozen=True, kw_only=True)
+class Widening:
+    """Effect of one uncertain quantity on the interval."""
+
+    name: str  # The tolerance, or "sensor_noise" or "initial_state"
+    deviation: float  # Its standard deviation, relative or in SI units; zero for noise
+    contribution: float  # Standard deviation of the error that it alone causes [-]
+    width: float  # Width of the 90 % interval [-]
+    width_without: float  # Width if this were known exactly [-]
+    # Standard deviation at which the width is halved; None where no value does so alone
+    deviation_for_half: float | None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,8 +23,7 @@ from reliab.assessment.measured_specimen.hysteresis import (
     STRUT_TRAITS,
 )
 from reliab.assessment.measured_specimen.learned_test import Members
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, _learn_family
-from reliab.assessment.measured_specimen.path import MeasuredPath
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, _learn_family
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise

@@ -7,7 +7,7 @@ import pytest
 
 from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import criterion_of_response, default_criterion
-from reliab.assessment.scope_of_test import compare_test, scope_of_test
+from reliab.assessment.placement import compare_test, scope_of_test
 from reliab.criterion.published import published_criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure

@@ -11,14 +11,16 @@ from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import Equipment, exact_equipment, ordinary_equipment
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.rebuild import rebuild
-from reliab.assessment.turning import Turning, _errors_if_filtered, examine_turning
-from reliab.assessment.verdict import Verdict, Word
-from reliab.assessment.yielding import (
+from reliab.assessment.turning import (
     DUCTILITIES,
     HARDENINGS,
+    Turning,
+    _errors_if_filtered,
     errors_of_ductilities,
     errors_of_hardenings,
+    examine_turning,
 )
+from reliab.assessment.verdict import Verdict, Word
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.recordings.recording import Recording

@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.rebuilt_error.sobol import normal_points
+from reliab.assessment.inference.sobol import normal_points
 from reliab.core.arrays import Array
 
 _STEP = 1e-2  # of a standard deviation a priori, for derivatives

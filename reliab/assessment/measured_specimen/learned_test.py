@@ -20,8 +20,7 @@ import scipy
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, weights_of
-from reliab.assessment.measured_specimen.path import MeasuredPath, fit
+from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, fit, weights_of
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError

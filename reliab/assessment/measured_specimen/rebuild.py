@@ -21,8 +21,7 @@ from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circum
 from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
-from reliab.assessment.measured_specimen.learning import late_by, learn_specimen
-from reliab.assessment.measured_specimen.path import MeasuredPath
+from reliab.assessment.measured_specimen.learning import MeasuredPath, late_by, learn_specimen
 from reliab.assessment.parts import (
     AMPLITUDE,
     DELAY,
@@ -40,7 +39,7 @@ from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
-from reliab.assessment.rebuilt_error.widenings import Widening
+from reliab.assessment.uncertainty_budget import Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.threads import one_thread

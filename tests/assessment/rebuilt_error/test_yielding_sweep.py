@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from reliab.assessment.rebuild import rebuild
-from reliab.assessment.yielding import errors_of_ductilities
+from reliab.assessment.turning import errors_of_ductilities
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 

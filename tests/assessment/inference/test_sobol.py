@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.sobol import sobol_points
+from reliab.assessment.inference.sobol import sobol_points
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 17, 40, 41, 100, 150])
