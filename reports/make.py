@@ -26,13 +26,13 @@ from reliab import assess
 from reliab.app.cli import run
 from reliab.core.shipped import shipped
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.criterion.population import sample_of
 from reliab.report.figures.parameter_distributions import ellipses_and_criterion
-from reliab.report.kinds.assessment.error import histories_figure
+from reliab.report.kinds.assessment.report import histories_figure
 from reliab.report.pdf import write_pdf
 from reliab.report.style import svg
-from reliab.study.folders import folders_of_studies
+from reliab.study.description import folders_of_studies
 from reliab.sweep.ellipse_dataset import open_ellipses
 
 if TYPE_CHECKING:

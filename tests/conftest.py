@@ -56,7 +56,7 @@ def pytest_configure(config):
 def pytest_collection(session):
     """Make the studies importable as `reliab_studies` in processes that read tests."""
     if hasattr(session.config, "workerinput") or not session.config.getoption("numprocesses", None):
-        from reliab.study import folders  # noqa: F401
+        from reliab.study import description  # noqa: F401
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest takes out what `-m` does not name

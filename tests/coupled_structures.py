@@ -8,9 +8,8 @@ import scipy
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
-from reliab.structures.frame import exact_step, follow_load
+from reliab.structures.frame import Specimen, exact_step, follow_load
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 
 _WELL_POSED = 1e12
 _MASSLESS = Specimen(stiffness=1.0)  # transfer functions do not depend on it

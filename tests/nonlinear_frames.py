@@ -8,10 +8,9 @@ from reliab_studies.measured_specimen.specimens import FAMILIES, PARAMETERS, STA
 from reliab.core.compiled import compiled
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, floor_interface
 
 STEP = 1.0 / 1024.0
 

@@ -10,7 +10,7 @@ from typing import ClassVar, Final, Self
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.sampling.model import Model, SampledParameter
+from reliab.sampling.ensembles import Model, SampledParameter
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 
 REFERENCE_PRIOR: Final = NormalInverseChiSquared(

@@ -17,8 +17,8 @@ from reliab.discrepancy.diagnose import diagnose
 from reliab.effects.registry import find_effect, library
 from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
-from reliab.report.wording import meaning_of_confidence
-from reliab.structures.specimen import Specimen
+from reliab.report.prose import meaning_of_confidence
+from reliab.structures.frame import Specimen
 from reliab.study.kinds import KINDS
 from reliab.study.running import read_study
 
@@ -93,7 +93,7 @@ ADDITIONS = {
         "KIND",
         """
         from reliab.study.description import Study
-        from reliab.study.folders import StudyKind
+        from reliab.study.description import StudyKind
 
         KIND = StudyKind(
             name="nothing", tables=Study, stages=lambda study: (), report=lambda study, folder: {}

@@ -37,7 +37,7 @@ FILES = {
         """,
         "../studies/nothing/kind.py": """
             from reliab.study.description import Study
-            from reliab.study.folders import Kind
+            from reliab.study.description import Kind
 
             from .pages import nothing_report
 
@@ -104,7 +104,7 @@ USE = """
     from reliab.criterion.methods.registry import method_of
     from reliab.effects.registry import find_effect
     from reliab.motions.loading import load_motions
-    from reliab.report.wording import meaning_of_confidence
+    from reliab.report.prose import meaning_of_confidence
     from reliab.study.kinds import KINDS
     from reliab.study.running import open_study
 

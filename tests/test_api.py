@@ -15,11 +15,10 @@ import reliab
 from reliab.app import cli
 from reliab.app.api.channels import FileReading
 from reliab.app.api.criteria import derive_criteria
-from reliab.app.api.motions import list_motions
-from reliab.app.api.simulation import trace_boundaries
+from reliab.app.api.simulation import list_motions, trace_boundaries
 from reliab.core.shipped import shipped
+from reliab.motions.catalogue import write_suite
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 
 PUBLIC_NAMES = (
     *("load_motions", "simulate", "ellipses", "derive_criterion"),

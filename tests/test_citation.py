@@ -8,7 +8,7 @@ import pytest
 
 from reliab.criterion.methods.registry import METHODS
 from reliab.effects.registry import library
-from reliab.report.sources import SOURCES
+from reliab.report.document import SOURCES
 from reliab.version import __version__
 
 ROOT = Path(__file__).parents[1]

@@ -72,7 +72,7 @@ def test_no_dependency_and_no_module_warns_when_it_is_imported_with_an_empty_hom
 def test_packages_with_files_in_a_home_are_imported_without_one():
     packages = [
         "reliab.core.compiled",
-        "reliab.app.cli.installation",
+        "reliab.app.cli.studies",
         "reliab.report",
         "matplotlib.pyplot",
         "numba",

@@ -10,8 +10,8 @@ import pytest
 from reliab.app.cli import run
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.laws.guo_2017 import Equation18
+from reliab.criterion.population import sample_of
 
 ROOT = Path(__file__).parents[1]
 from written_commands import blocks, parameters, reliab_lines  # noqa: E402

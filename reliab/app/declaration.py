@@ -1,8 +1,11 @@
-"""An argument of a question, declared once: its type, unit, one line of help and its panel of the help.
+"""An argument of a question, declared once: type, unit, line of help, panel of the help, completion.
 
 A question is a `TypedDict` whose fields are `Annotated[type, option(…)]` and whose docstring has a line for
 each; questions share fields by deriving from groups. The command's options, and the signature and docstring
 of the Python function, follow from it.
+
+Each function takes the beginning of a word; what it needs is imported when the shell asks. If a file may
+stand in place of a name, an empty word is left to the shell, which offers files.
 """
 
 import re
@@ -16,8 +19,48 @@ from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
 from reliab.core.files import require_ending
 from reliab.core.progress import Progress
-from reliab.core.stated_value import StatedValue
-from reliab.sweep.several import Names, Numbers
+from reliab.core.stated_value import Names, Numbers, StatedValue
+
+
+def _any_of(*names: str, takes_files: bool = False) -> Callable[[str], list[str]]:
+    """Complete one of some names; `takes_files`: whether a file may stand in their place."""
+    return lambda incomplete: _complete_names(incomplete, names) if incomplete or not takes_files else []
+
+
+samples = _any_of("sample_test", takes_files=True)
+campaigns = _any_of("rig_a", "rig_b", "rig_c", takes_files=True)
+suites = _any_of("synthetic", takes_files=True)
+results = _any_of("real_suite", takes_files=True)
+metrics = _any_of("rms", "mte")
+papers = _any_of("a4", "letter")
+
+
+def studies(incomplete: str) -> list[str]:
+    """Complete the name of a study that ships."""
+    from reliab.core.shipped import shipped
+
+    return _complete_names(
+        incomplete, sorted(file.parent.name for file in shipped("studies", "").glob("*/study.toml"))
+    )
+
+
+def methods(incomplete: str) -> list[str]:
+    """Complete the name of a meaning of confidence."""
+    from reliab.criterion.methods.registry import METHODS
+
+    return _complete_names(incomplete, METHODS)
+
+
+def laws(incomplete: str) -> list[str]:
+    """Complete the name of a law of natural frequency and damping ratio."""
+    from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
+
+    return _complete_names(incomplete, [*FITTED_LAWS, *MANY_MOTION_LAWS])
+
+
+def _complete_names(incomplete: str, names: Iterable[str]) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]
+
 
 Quantity = float | str | StatedValue
 """A number, a number with its standard deviation as text ("1±0.01"), or such a value."""

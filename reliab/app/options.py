@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypedDict
 
-from reliab.app import completion
+from reliab.app import declaration
 from reliab.app.declaration import Files, Panel, Quantities, Quantity, argument, group
-from reliab.sweep.several import Names, Numbers
+from reliab.core.stated_value import Names, Numbers
 
 if TYPE_CHECKING:
     from reliab.assessment.budget.sizes import Equipment
@@ -110,14 +110,14 @@ class MotionSets(TypedDict, total=False):
 class MotionSource(MotionSets, total=False):
     """Ground motions: records, folders, or the built-in suite synthetic."""
 
-    motions: Annotated[Files | None, MOTIONS.option("SOURCE...", completion=completion.suites)]
+    motions: Annotated[Files | None, MOTIONS.option("SOURCE...", completion=declaration.suites)]
 
 
 @group
 class ResultSource(MotionSource, total=False):
     """Results that `reliab simulate` stored, or real_suite, which comes with reliab."""
 
-    results: Annotated[str | Path | None, MOTIONS.option("STORE", completion=completion.results)]
+    results: Annotated[str | Path | None, MOTIONS.option("STORE", completion=declaration.results)]
 
 
 @group
@@ -139,7 +139,7 @@ class ErrorMetric(TypedDict, total=False):
     """Error that counts: root mean square (rms, default) or largest value (mte)."""
 
     metric: Annotated[
-        str | None, GOOD.advanced("rms|mte", completion=completion.metrics, idle_beside=("criterion",))
+        str | None, GOOD.advanced("rms|mte", completion=declaration.metrics, idle_beside=("criterion",))
     ]
 
 
@@ -154,7 +154,7 @@ class ErrorWindow(TypedDict, total=False):
 class EllipseFile(TypedDict, total=False):
     """CSV with columns a, b and motion or event, or what `reliab ellipses` wrote; or real_suite."""
 
-    ellipses: Annotated[str | Path | None, MOTIONS.option("FILE.csv|FILE.nc", completion=completion.results)]
+    ellipses: Annotated[str | Path | None, MOTIONS.option("FILE.csv|FILE.nc", completion=declaration.results)]
 
 
 class EllipseSourceOptions(ResultSource, EllipseFile, total=False):
@@ -334,7 +334,7 @@ class Cover(TypedDict, total=False):
 
     title: Annotated[str | None, COVER.advanced("TEXT")]
     date: Annotated[str | None, COVER.advanced("DATE")]
-    paper: Annotated[str, COVER.advanced("a4|letter", default="a4", completion=completion.papers)]
+    paper: Annotated[str, COVER.advanced("a4|letter", default="a4", completion=declaration.papers)]
     laboratory: Annotated[str | None, COVER.advanced("NAME")]
     logo: Annotated[str | Path | None, COVER.advanced("FILE.svg|png|jpg")]
 
@@ -383,5 +383,5 @@ class Tests(FrameFile, total=False):
     out: Write the answer as a table, one row for each test.
     """
 
-    tests: Annotated[list[Path] | None, argument("[TEST]...", default=None, completion=completion.samples)]
+    tests: Annotated[list[Path] | None, argument("[TEST]...", default=None, completion=declaration.samples)]
     out: Annotated[Path | None, OUTPUT.option("FILE.csv", endings=(".csv",))]

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
-from reliab.app import completion
+from reliab.app import declaration
 from reliab.app.declaration import Files, Quantity, argument, collect_options, group
 from reliab.app.options import (
     FILE,
@@ -48,7 +48,7 @@ from reliab.app.options import (
     Threshold,
     Thresholds,
 )
-from reliab.sweep.several import Names
+from reliab.core.stated_value import Names
 
 if TYPE_CHECKING:
     from reliab.motions.motion import Motion
@@ -143,10 +143,10 @@ class CriterionQuestion(
     actuator: Annotated[int | None, STRUCTURE.advanced("N")]
     duration: Annotated[float | None, MOTIONS.advanced("SECONDS")]
     suite: Annotated[Files | None, MOTIONS.advanced("NAME|FOLDER...")]
-    method: Annotated[str | None, METHOD.option("NAME", completion=completion.methods)]
+    method: Annotated[str | None, METHOD.option("NAME", completion=declaration.methods)]
     assurance: Annotated[float | None, METHOD.advanced("SHARE")]
     distribution: Annotated[str | None, METHOD.advanced("NAME")]
-    law: Annotated[str, METHOD.option("NAME", default="table", completion=completion.laws)]
+    law: Annotated[str, METHOD.option("NAME", default="table", completion=declaration.laws)]
     steps: Annotated[int | None, METHOD.advanced("N")]
     chains: Annotated[str | Path | None, METHOD.advanced("FILE.h5")]
     compare: Annotated[bool, METHOD.advanced_flag()]
@@ -187,8 +187,8 @@ class ValidationQuestion(ProbabilityQuestion, Confidences, Joint, total=False):
     leave_out: Annotated[str | None, METHOD.advanced("f|xi")]
     learn: Annotated[Names | None, MOTIONS.advanced("SET...")]
     judge: Annotated[Names | None, MOTIONS.advanced("SET...")]
-    method: Annotated[Names | None, METHOD.option("NAME...", completion=completion.methods)]
-    law: Annotated[Names | None, METHOD.advanced("NAME...", completion=completion.laws)]
+    method: Annotated[Names | None, METHOD.option("NAME...", completion=declaration.methods)]
+    law: Annotated[Names | None, METHOD.advanced("NAME...", completion=declaration.laws)]
 
 
 @group
@@ -453,7 +453,7 @@ class StudyArgument(MotionSource, total=False):
         executed.
     """
 
-    study: Annotated[str, argument("[STUDY]", default="quick", completion=completion.studies)]
+    study: Annotated[str, argument("[STUDY]", default="quick", completion=declaration.studies)]
 
 
 @group

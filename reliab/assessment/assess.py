@@ -35,9 +35,9 @@ from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
+from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import remove_spikes
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:

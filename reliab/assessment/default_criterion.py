@@ -20,9 +20,8 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_table import EllipseTable, neighbours
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.population import Population
-from reliab.criterion.response_measures import ResponseMeasures
+from reliab.criterion.response_measures import ResponseMeasures, read_shipped_ellipses, read_shipped_measures
 from reliab.criterion.scope import Position, range_of
-from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.finite_errors import predict_ellipse
 from reliab.tracking.boundary.first_order import FirstOrderEllipse

@@ -19,10 +19,9 @@ from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI
+from reliab.recordings.behaviour import remove_spikes, zero_of
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import remove_spikes
-from reliab.recordings.zero import zero_of
 from reliab.signals.cubic_path import CubicPath
 
 COPY_TOLERANCE: Final = 1e-6

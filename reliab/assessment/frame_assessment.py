@@ -25,7 +25,7 @@ from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
+from reliab.tracking.indices.tracking import TrackingOverFrequency
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,7 @@ from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit, stability_limit
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency, tracking_over_frequency
+from reliab.tracking.indices.tracking import TrackingOverFrequency, tracking_over_frequency
 
 _SAME_SHARE = 1e-3
 

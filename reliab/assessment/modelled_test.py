@@ -29,7 +29,7 @@ from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 from reliab.effects.effect import Effect, Role
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest

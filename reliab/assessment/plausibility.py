@@ -14,9 +14,9 @@ from reliab.assessment.tracking_index import TrackingIndex, white_noise_share
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
+from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import remove_spikes
 from reliab.signals.spectra import cross_correlate
 from reliab.structures.partition import Partition
 

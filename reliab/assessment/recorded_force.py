@@ -20,8 +20,8 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.stated_value import StatedValue
+from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import remove_spikes
 from reliab.signals.cubic_path import CubicPath
 from reliab.signals.spectra import detrend
 from reliab.structures.structure import Structure

@@ -33,8 +33,9 @@ from reliab.core.errors import ReliabError
 from reliab.recordings.recording import FEWEST_SAMPLES, Recording
 from reliab.signals.cubic_path import CubicPath
 from reliab.signals.spectra import hann, periodogram, taper, upper_level
-from reliab.tracking.indices.frequency_evaluation import CommandSpectrum, FrequencyEvaluation
 from reliab.tracking.indices.tracking import (
+    CommandSpectrum,
+    FrequencyEvaluation,
     delay_by_cross_correlation,
     energy_error,
     maximum_tracking_error,

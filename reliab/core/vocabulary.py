@@ -23,7 +23,7 @@ class Dimension(StrEnum):
     """Dimensions of a results dataset in storage order, and those that ellipses add.
 
     A dataset has the dimension of the share α where it is of several shares, after that of the damping ratio;
-    of one share it is an attribute (see `reliab.sweep.shares`).
+    of one share it is an attribute (see `reliab.sweep.labels`).
     """
 
     MOTION = "motion"

@@ -4,7 +4,7 @@ Most of the scatter of a and b between motions is known before a test. They foll
 alone (`reliab.tracking.boundary.first_order`); what is left of ln a scatters by 0.06, where ln a itself
 scatters by 0.6. What is left is fitted to the population by least squares, and every motion keeps its own
 residual. Without a record, its length is known: each motion is carried to it by cutting its own record
-(`reliab.tracking.boundary.finite_errors`). A criterion of the carried ellipses is then one for further
+(`reliab.tracking.boundary.first_order`). A criterion of the carried ellipses is then one for further
 motions of such a response, length or suite, by any method.
 
 The residuals of one earthquake belong together: the coefficients' covariance is that of whole earthquakes
@@ -24,12 +24,12 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import CurveName, Metric
 from reliab.criterion.ellipse_table import CUT, DIMENSIONS, Ellipses, EllipseTable, as_table, names_along
-from reliab.criterion.event_components import event_components
 from reliab.criterion.laws.table import tents
+from reliab.criterion.motion_predictive import event_components
 from reliab.criterion.response_measures import ResponseMeasures
 from reliab.criterion.scope import Position, compare_with_scope, scope_of
 
@@ -81,7 +81,7 @@ def carry_to_response(
 
     `ellipses`: ellipses of the population at RMS^R, of whole records; `measures`: `a_first`, `b_first` and
     `effective_duration` of the same motions and structures, as
-    :func:`reliab.sweep.response_measures.measure_responses` returns them, and where boundaries were compared
+    :func:`reliab.sweep.ellipse_table.measure_responses` returns them, and where boundaries were compared
     with them the multiples, `scale` and `scale_towards`. Without these, the multiples are those at which the
     predicted ellipse lies in the inscribed one: to the safe side. `response`: the same of one motion, or of a
     test, at the structures asked for; `angle`: direction in the predicted ellipse's own angle [rad] in which

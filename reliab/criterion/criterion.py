@@ -11,15 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from reliab.core.arrays import Array
 from reliab.core.described_files import read_description
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import html_table
 from reliab.core.significant_digits import percent, significant
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric, Side
 from reliab.criterion.laws.law import Law
 from reliab.criterion.methods.method import validate_share
 from reliab.criterion.population import Population
-from reliab.criterion.provenance import Provenance
-from reliab.criterion.scope import confidence_to_promise
+from reliab.criterion.scope import Provenance, confidence_to_promise
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +62,7 @@ class Criterion:
 
     Examples
     --------
-    >>> from reliab.criterion.published import published_criterion
+    >>> from reliab.criterion.derivation import published_criterion
     >>> criterion = published_criterion("guo_2017_12")
     >>> round(float(criterion.index(1.004, 0.0005, 1.0, 0.02)), 3)
     0.542

@@ -15,7 +15,7 @@ from reliab.core.errors import InputError
 from reliab.criterion.laws.law import Law
 from reliab.criterion.laws.registry import law_from_dict, law_to_dict
 from reliab.criterion.population import Population
-from reliab.criterion.provenance import SCHEMA_VERSION, Provenance
+from reliab.criterion.scope import SCHEMA_VERSION, Provenance
 
 PLAIN = ("threshold", "metric", "confidence", "method", "joint")
 """Keys with plain values."""

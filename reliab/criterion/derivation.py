@@ -1,4 +1,4 @@
-"""From a dataset of ellipses to a criterion, for errors that an actuator at rest would not keep."""
+"""From a dataset of ellipses, or a published law, to a criterion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,18 +15,18 @@ from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import protect_over_lengths
 from reliab.criterion.cautions import cautions_of, few_leads, not_lognormal
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_sample import EllipseSample, position, position_of_name
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable, as_table, drop_copies, names_along
 from reliab.criterion.laws.law import Law
-from reliab.criterion.laws.registry import FITTED_LAWS, FittedLaw, find_law
+from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, FittedLaw, find_law
 from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.method import LearnedLimits, Method, validate_share
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
-from reliab.criterion.population import SampleGrid
-from reliab.criterion.provenance import Provenance, kind_of_motions, records_checksum
-from reliab.criterion.scope import population_of, scope_of
+from reliab.criterion.population import EllipseSample, SampleGrid, position, position_of_name, sample_of
+from reliab.criterion.scope import Provenance, kind_of_motions, population_of, records_checksum, scope_of
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from reliab.criterion.ellipse_reading import EllipseSource
 
 
@@ -416,3 +416,73 @@ def _only(ellipses: EllipseTable, name: str, value: float | None) -> EllipseTabl
     ):
         return ellipses.sort(name)
     return ellipses.take(**{name: [position(ellipses, name, value)]})
+
+
+def published_criterion(name: str) -> Criterion:
+    """Make the criterion of a published or corrected law.
+
+    Parameters
+    ----------
+    name : str
+        A law that promises a confidence over motions, such as "guo_2017_18".
+
+    Returns
+    -------
+    Criterion
+        At 5 % RMS^R and the 95 % that the paper states.
+
+    Raises
+    ------
+    InputError
+        If there is no such law.
+
+    Examples
+    --------
+    Case 1 of Table 6:
+
+    >>> criterion = published_criterion("guo_2017_18")
+    >>> round(float(criterion.index(1.0039, 0.39e-3, 1.0, 0.02)), 3)
+    0.956
+    """
+    law = find_law(MANY_MOTION_LAWS, name)
+    return Criterion(
+        law=law,
+        threshold=0.05,
+        metric=str(Metric.RMS),
+        confidence=0.95,
+        method="quantile",
+        joint=False,
+        provenance=Provenance(source=f"Guo and others (2017), {law.equation}", n_motions=100, n_events=19),
+    )
+
+
+def exact_share(
+    criterion: Criterion, ellipses: "xr.Dataset", frequency: float, damping_ratio: float
+) -> dict[str, float]:
+    """Count the motions whose own ellipse contains that of a printed law.
+
+    `frequency`, `damping_ratio`: the structure [Hz, -]; the nearest one of the ellipses is taken. Returns
+    `share` of the motions [-], `n_motions`, and the structure, `f` [Hz] and `xi` [-].
+    """
+    f, xi = (
+        float(values[np.argmin(np.abs(np.log(values / target)))])
+        for values, target in (
+            (ellipses["f"].values, frequency),
+            (ellipses["xi"].values, damping_ratio),
+        )
+    )
+    sample = sample_of(
+        ellipses,
+        frequency=f,
+        damping_ratio=xi,
+        threshold=criterion.threshold,
+        metric=criterion.metric,
+        curve=CurveName.ELLIPSE,
+    )
+    a, b = (float(limit) for limit in criterion.limits(f, xi))
+    return {
+        "share": float(np.mean(room(sample, a, b) >= 1.0)),
+        "n_motions": sample.n_motions,
+        "f": f,
+        "xi": xi,
+    }

@@ -15,10 +15,10 @@ import xarray as xr
 from reliab.core.encodings import encoding_of_file
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS, decoding, ordinary
-from reliab.core.physical_range import QUANTITIES_BY_DIMENSION, RANGES
 from reliab.core.shipped import or_shipped
+from reliab.core.stated_value import QUANTITIES_BY_DIMENSION, RANGES
 from reliab.core.vocabulary import LABELS, Dimension, Metric
-from reliab.sweep.shares import select_share
+from reliab.sweep.labels import select_share
 
 _OTHER_NAMES = {"record": "motion", "f_hz": "f"}
 _SHARE = str(Dimension.SHARE)

@@ -79,7 +79,7 @@ class EllipseTable:
 
         Raises InputError if it is of several shares of the stiffness.
         """
-        from reliab.sweep.shares import select_share
+        from reliab.sweep.labels import select_share
 
         ellipses = select_share(ellipses)
         lacking = [name for name in _DEFAULTS_OF_OLDER_FILES if name not in ellipses.dims]

@@ -94,7 +94,7 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
     """
     import xarray as xr
 
-    from reliab.sweep.shares import share_of
+    from reliab.sweep.labels import share_of
 
     stored_share = share_of(ellipses)
     if stored_share != _FULL_SHARE:

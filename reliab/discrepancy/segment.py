@@ -15,8 +15,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest, Stretch
 from reliab.effects.effect import Scales
-from reliab.signals.noise import NoiseModel, Periodogram, noise_shapes
-from reliab.signals.wiener import smooth_displacement
+from reliab.signals.noise import NoiseModel, Periodogram, noise_shapes, smooth_displacement
 from reliab.simulation.hybrid_test.open_loop import Motion3
 from reliab.structures.structure import Structure
 

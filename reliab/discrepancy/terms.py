@@ -7,7 +7,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
-from reliab.core.physical_range import RANGES
+from reliab.core.stated_value import RANGES
 from reliab.core.vocabulary import Block
 from reliab.effects.effect import Effect, Parameter, RecordEffect, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers

@@ -10,7 +10,7 @@ import numpy as np
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import Block
 from reliab.effects.kernel import Kernel
 

@@ -25,10 +25,10 @@ from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.vocabulary import CurveName
 from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.criterion.derivation import MOST_AT_REST
-from reliab.criterion.ellipse_sample import is_ellipse
 from reliab.criterion.ellipse_table import REST, names_along
+from reliab.criterion.population import is_ellipse
 from reliab.criterion.scope import population_of
-from reliab.sweep.shares import select_share, share_of
+from reliab.sweep.labels import select_share, share_of
 from reliab.version import __version__
 
 _FOLDER: Final = Path(__file__).parent / "web"

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import MotionFault, Report
 from reliab.motions.motion import Motion

@@ -7,8 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
-from reliab.core.physical_range import Physical
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import Physical, StatedValue
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.recording import ChannelDeclaration, Part, StatedChannels
 

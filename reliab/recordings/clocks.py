@@ -15,14 +15,13 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.stated_value import require_physical
 from reliab.core.text_tables import missing_mark
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.behaviour import Hold, find_hold
 from reliab.recordings.naming import describe
-from reliab.recordings.readers.attributes import RATES, STEPS, plain
-from reliab.recordings.readers.columns import Columns, seconds_between
+from reliab.recordings.readers.columns import RATES, STEPS, Columns, plain, seconds_between
 from reliab.recordings.recording import (
     DISPLACEMENTS,
     FEWEST_SAMPLES,
@@ -30,8 +29,7 @@ from reliab.recordings.recording import (
     Channel,
     require_few_samples,
 )
-from reliab.recordings.units import TIMES, Unit, unit_of, units_text
-from reliab.recordings.words import Measurand
+from reliab.recordings.words import TIMES, Measurand, Unit, unit_of, units_text
 
 _FAULTY_SHARE: Final = (
     0.01  # share of unusual steps up to which they are faults, and not the rounding of the times

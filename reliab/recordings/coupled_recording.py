@@ -9,8 +9,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, require_physical
 from reliab.recordings.readers.columns import Columns, is_frame, read_frame
 from reliab.recordings.reading import ChannelHistories, histories_of, read_statements, read_test
 from reliab.recordings.recording import (

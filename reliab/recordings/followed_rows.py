@@ -9,13 +9,12 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError, naming
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import counted, significant
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import MILLI
-from reliab.recordings.behaviour import find_hold
+from reliab.recordings.behaviour import extent_of_test, find_hold, zero_of
 from reliab.recordings.following import Rows
 from reliab.recordings.recording import DISPLACEMENTS
-from reliab.recordings.zero import extent_of_test, zero_of
 
 _ROWS_FOR_STEP = 64
 _GAP = 0.6  # of a step that a sample may come late or early after the one before

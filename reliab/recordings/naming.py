@@ -11,7 +11,6 @@ from functools import cache
 from typing import Final, TypeVar
 
 from reliab.recordings.behaviour import Likeness
-from reliab.recordings.units import Unit, split_unit, unit_of
 from reliab.recordings.words import (
     ALTERATION_WORDS,
     CALCULATION_WORDS,
@@ -25,6 +24,9 @@ from reliab.recordings.words import (
     WEAK_ROLES,
     ChannelRole,
     Measurand,
+    Unit,
+    split_unit,
+    unit_of,
 )
 
 _STEM: Final = re.compile(r"(?:\(\d+\)|\[\d+\]|\d+)+$")  # places in a matrix or a list behind its name

@@ -11,7 +11,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError, naming
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.behaviour import compare, moves, share_explained
+from reliab.recordings.behaviour import compare, extent_of_test, moves, share_explained
 from reliab.recordings.clocks import align_clocks, pair_times
 from reliab.recordings.readers.columns import Columns, is_frame, read_frame
 from reliab.recordings.readers.registry import read_tests
@@ -25,8 +25,7 @@ from reliab.recordings.recording import (
     Recording,
     StatedChannels,
 )
-from reliab.recordings.units import ANGLES, LENGTHS, split_unit, unit_of, units_text
-from reliab.recordings.zero import extent_of_test
+from reliab.recordings.words import ANGLES, LENGTHS, split_unit, unit_of, units_text
 
 if TYPE_CHECKING:
     import pandas as pd

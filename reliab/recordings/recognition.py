@@ -34,8 +34,7 @@ from reliab.recordings.recording import (
     ChannelDeclaration,
     Part,
 )
-from reliab.recordings.units import UNITS, Unit, unit_of, units_text
-from reliab.recordings.words import ChannelRole, Measurand
+from reliab.recordings.words import UNITS, ChannelRole, Measurand, Unit, unit_of, units_text
 
 _SIMILAR = 0.7
 _LOWEST_CORRELATION, _HIGHEST_CORRELATION = (

@@ -16,8 +16,8 @@ import numpy as np
 
 from reliab.core.encodings import as_text
 from reliab.core.files import decoding, ordinary, require_small, written_whole
-from reliab.core.physical_range import RANGES
 from reliab.core.shipped import checksum_of
+from reliab.core.stated_value import RANGES
 from reliab.core.untrusted_files import objects_of, open_hdf5
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.hierarchical import STATED_ATTRIBUTES, text_of

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import Keys, PlainResult, plot_histories, same_names
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, require_physical
 from reliab.recordings.words import Measurand
 
 if TYPE_CHECKING:

@@ -28,9 +28,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from reliab.core.arrays import Array
-from reliab.criterion.event_components import event_components
-from reliab.rig.covariates import Covariates, Kernels
-from reliab.rig.variances import LEVEL, Variances, covariance, fit_variances, inverse_of
+from reliab.criterion.motion_predictive import event_components
+from reliab.rig.covariates import LEVEL, Covariates, Kernels, Variances, covariance, fit_variances, inverse_of
 
 _DEGREES: Final = (2.5, 4.0, 8.0, 1e4)
 _DEGREES_COEFFICIENTS: Final = (0.0075, 0.0125, 0.03, 0.95)

@@ -14,7 +14,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI
 from reliab.rig.covariates import Covariates, places_in_day, warmth
 from reliab.rig.learned import FittedQuantity, learn
-from reliab.rig.rig_table import RigTable
+from reliab.rig.rig_folder import RigTable
 from reliab.rig.watching import drift_chart
 from reliab.structures.structure import Structure
 

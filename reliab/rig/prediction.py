@@ -14,7 +14,7 @@ from reliab.core.vocabulary import MILLI
 from reliab.rig.covariates import Covariates
 from reliab.rig.learned import FittedQuantity
 from reliab.rig.memory import Memory, NextTest
-from reliab.rig.rig_table import RigTable
+from reliab.rig.rig_folder import RigTable
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure

@@ -9,8 +9,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.effects.effect import Role
-from reliab.simulation.deviation import Deviation, peak_of_history
-from reliab.simulation.excitation import Excitation
+from reliab.simulation.excitation import Deviation, Excitation, peak_of_history
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.linear_loop.cells import Cells

@@ -23,15 +23,13 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
-from reliab.simulation.deviation import Deviation
-from reliab.simulation.excitation import Excitation
+from reliab.simulation.excitation import Deviation, Excitation
 from reliab.simulation.linear_loop import delay_stepper, drive_stepping, pole_recursion, spectral
 from reliab.simulation.linear_loop.blocks import Blocks, cut
 from reliab.simulation.linear_loop.cells import Cells
-from reliab.simulation.linear_loop.dominant_pole import band_edges
-from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse, shared_drives
 from reliab.simulation.linear_loop.pole_plane import Responses, pole_basis
-from reliab.simulation.linear_loop.shared_drives import shared_drives
+from reliab.simulation.linear_loop.pole_recursion import band_edges
 from reliab.structures.structure import Structure
 
 _OFF_SCALE, _ROUGH_TOLERANCE = 2.0, 0.05

@@ -21,11 +21,12 @@ import scipy
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.stated_value import require_physical
 from reliab.effects.effect import Effect, Role
 from reliab.structures.frame import (
     Frame,
+    Specimen,
     influence_vector,
     massless,
     matrices_of_one_size,
@@ -35,7 +36,6 @@ from reliab.structures.frame import (
     static_shapes,
 )
 from reliab.structures.parts_of_structure import change_matrices
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 _QUASI_STATIC = 2.0 * math.pi * 2000.0  # rad/s, of a driven degree of freedom without mass

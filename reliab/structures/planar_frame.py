@@ -7,7 +7,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 
 
 def shear_frame(masses: Sequence[float], storey_stiffnesses: Sequence[float]) -> tuple[Array, Array]:

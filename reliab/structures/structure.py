@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,7 @@ from reliab.report.document import Document
 from reliab.report.pdf import write_pdf
 from reliab.report.prose import plain_text
 from reliab.report.setting import ReportSetting
-from reliab.study.description import Study
-from reliab.study.folders import FILE, REMEDY, RULE, folders_of_studies, kind_of, study_contents
+from reliab.study.description import FILE, REMEDY, RULE, Study, folders_of_studies, kind_of, study_contents
 from reliab.study.kinds import KINDS
 from reliab.study.stages import RunFolder, Stage, date_of, study_of
 

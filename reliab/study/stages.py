@@ -31,7 +31,7 @@ from reliab.core.files import (
     remove_abandoned,
     written_whole,
 )
-from reliab.criterion.provenance import read_versions
+from reliab.criterion.scope import read_versions
 
 MANIFEST = "manifest.json"
 _CHUNK = 1 << 20

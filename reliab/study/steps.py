@@ -27,12 +27,11 @@ from reliab.study.description import CriterionStudy, CriterionTable, ErrorsTable
 from reliab.study.stages import Stage, digest, read_result
 from reliab.sweep.cut_records import measure_cut_records
 from reliab.sweep.ellipse_dataset import open_ellipses, write_ellipses
-from reliab.sweep.labels import outlines_of
+from reliab.sweep.labels import outlines_of, select_share
 from reliab.sweep.netcdf import read_netcdf, write_netcdf
-from reliab.sweep.plain import sweep_request
+from reliab.sweep.request import sweep_request
 from reliab.sweep.results import REAL, find_results, open_results
 from reliab.sweep.run import run_sweep
-from reliab.sweep.shares import select_share
 from reliab.tracking.indices.window import Window
 from reliab.validation.counts import CrossValidation
 from reliab.validation.folds import folds_of

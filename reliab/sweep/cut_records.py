@@ -7,11 +7,9 @@ import xarray as xr
 
 from reliab.core.shipped import shipped
 from reliab.core.untrusted_files import open_hdf5
-from reliab.motions.intensity import arias_times
-from reliab.motions.motion import Motion
+from reliab.motions.motion import Motion, arias_times
 from reliab.structures.structure import Structure
-from reliab.sweep.labels import label_variables
-from reliab.sweep.shares import share_of
+from reliab.sweep.labels import label_variables, share_of
 from reliab.tracking.boundary.finite_errors import CUT_LENGTHS, ratios_of_cut_record
 from reliab.tracking.boundary.first_order import exact_response
 from reliab.tracking.indices.window import Window

@@ -11,7 +11,7 @@ import xarray as xr
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending
-from reliab.core.physical_range import QUANTITIES_BY_DIMENSION, RANGES, PhysicalRange
+from reliab.core.stated_value import QUANTITIES_BY_DIMENSION, RANGES, PhysicalRange
 from reliab.core.vocabulary import (
     ELLIPSE_DIMENSIONS,
     SHARE_ATTRIBUTE,
@@ -28,6 +28,7 @@ from reliab.tracking.indices.window import Window
 
 if TYPE_CHECKING:
     from reliab.tracking.boundary.contour import Contour
+
 
 COLUMNS = ("a", "b", "sse", "n", "no_ellipse")
 """Values stored for a curve; shape of a table is (motion, f, xi, threshold, metric, curve, side, columns)."""

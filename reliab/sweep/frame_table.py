@@ -16,9 +16,8 @@ from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import MILLI, Metric, Side
 from reliab.motions.motion import Motion
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames.exact_loop import stable_with
 from reliab.simulation.frames.frame_file import FrameUnderTest
-from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.simulation.frames.frame_loop import FrameLoop, stable_with
 from reliab.structures.critical_delay import stability_limit
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
 from reliab.sweep.labels import join_coordinates, motion_coordinates
@@ -26,8 +25,8 @@ from reliab.sweep.request import excitation_of
 from reliab.tracking.boundary.contour import AMPLITUDE_STEP
 from reliab.tracking.boundary.curves import Curve
 from reliab.tracking.boundary.suite_boundary import motion_contours
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 from reliab.tracking.indices.response_error import relative_error, response_error
+from reliab.tracking.indices.tracking import frequency_evaluation
 from reliab.tracking.indices.window import Window
 
 if TYPE_CHECKING:

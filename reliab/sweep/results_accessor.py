@@ -15,8 +15,7 @@ from reliab.core.vocabulary import RESULT_DIMENSIONS, SHARE_ATTRIBUTE, Dimension
 from reliab.structures.structure import Structure
 from reliab.sweep.cut_records import add_known_cut_records
 from reliab.sweep.ellipse_dataset import COLUMNS, CURVES, curve_table, ellipse_dataset
-from reliab.sweep.labels import label_variables
-from reliab.sweep.shares import concatenate_shares, select_share, share_of, shares_of
+from reliab.sweep.labels import concatenate_shares, label_variables, select_share, share_of, shares_of
 from reliab.sweep.store_layout import MEND, STORED_RULE
 from reliab.tracking.boundary.contour import REACH, Contour, ErrorSurfaces, furthest_lead, trace_contours
 from reliab.tracking.boundary.curves import Curve

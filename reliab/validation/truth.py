@@ -19,8 +19,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.core.vocabulary import MILLI, CurveName, Metric, Side
-from reliab.criterion.ellipse_sample import is_ellipse, select_curve
 from reliab.criterion.ellipse_table import names_along
+from reliab.criterion.population import is_ellipse, select_curve
 from reliab.motions.motion import Motion
 from reliab.simulation.engine import Loop
 from reliab.structures.structure import Structure

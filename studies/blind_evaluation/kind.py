@@ -7,8 +7,7 @@ from typing import Final
 
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
-from reliab.study.description import Study
-from reliab.study.folders import StudyKind
+from reliab.study.description import Study, StudyKind
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 
 EVALUATION: Final = "evaluation.json"

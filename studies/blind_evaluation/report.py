@@ -10,13 +10,19 @@ from matplotlib.figure import Figure
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.effects.registry import library
-from reliab.report.axes import name_axes, plain
-from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
+from reliab.report.document import (
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Points,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, WholeNumber
-from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.style import BLUE, GREY, INK, apply_style, blank, panels
-from reliab.report.wording import spell_out
+from reliab.report.prose import Prose, prose, spell_out
+from reliab.report.style import BLUE, GREY, INK, apply_style, blank, name_axes, panels, plain
 
 _GROUPS = (
     "One effect that exceeds the noise",

@@ -13,8 +13,7 @@ from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.core.shipped import or_shipped
 from reliab.report.document import Document
-from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import MotionsTable, RecordsStudy, StructuresTable, StudyKind, StudyTable
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import Records
 

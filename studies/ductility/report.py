@@ -9,13 +9,28 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes
-from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Points, Section, Table
+from reliab.report.document import (
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Points,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, Shortest, WholeNumber
-from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.style import INK, apply_style, letters, line, panels
-from reliab.report.wording import values
+from reliab.report.prose import Prose, prose, values
+from reliab.report.style import (
+    INK,
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    name_axes,
+    panels,
+)
 
 from .tolerances import FARTHEST
 

@@ -17,9 +17,8 @@ import pandas as pd
 from reliab.core.arrays import Array
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion
-from reliab.simulation.deviation import peak_of_history
 from reliab.simulation.effect_loop import EffectLoop
-from reliab.simulation.excitation import Excitation
+from reliab.simulation.excitation import Excitation, peak_of_history
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import first_order_ellipse

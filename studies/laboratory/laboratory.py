@@ -10,8 +10,7 @@ from reliab.core.errors import InputError
 from reliab.effects.effect import Setting
 from reliab.simulation.hybrid_test.closed_loop import Compensator
 from reliab.simulation.hybrid_test.open_loop import STATES, Plan, plan
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.simulation.transfer_systems.transfer_function import Plant, TransferSystem
+from reliab.simulation.transfer_systems.transfer_function import Plant, ServoHydraulic, TransferSystem
 from reliab.structures.frame import exact_step, reference_response
 from reliab.structures.partition import Partition
 

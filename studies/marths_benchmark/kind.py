@@ -11,8 +11,7 @@ from reliab.core.errors import InputError
 from reliab.core.files import written_whole
 from reliab.core.progress import show_task
 from reliab.report.document import Document
-from reliab.study.description import Names, RecordsStudy, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import Names, RecordsStudy, StudyKind, StudyTable
 from reliab.study.stages import Stage, read_result, software_provenance
 from reliab.study.steps import Records
 

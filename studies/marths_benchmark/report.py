@@ -10,12 +10,10 @@ from reliab_studies.laboratory.wording import count_good_tests
 
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.style import apply_style, line, panels
+from reliab.report.style import apply_style, label_logarithmic, legend_below, line, name_axes, panels, plain
 
 from .controllers import PERFECT
 from .outcomes import DEGREES

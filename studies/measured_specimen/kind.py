@@ -10,8 +10,7 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.report.document import Document
-from reliab.study.description import MotionsTable, Names, RecordsStudy, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import MotionsTable, Names, RecordsStudy, StudyKind, StudyTable
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 

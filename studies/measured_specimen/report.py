@@ -8,12 +8,19 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import legend_below, name_axes, plain
-from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.document import (
+    Block,
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.style import GREY, apply_style, line, panels
+from reliab.report.style import GREY, apply_style, legend_below, line, name_axes, panels, plain
 
 from .judging import ALL, compare_with_stated
 

@@ -29,8 +29,8 @@ from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_lo
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.integrators import ExactIntegrator, Integrator
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 from reliab.tracking.indices.response_error import response_error
+from reliab.tracking.indices.tracking import frequency_evaluation
 
 from .printed import (
     FIVE_PERCENT,

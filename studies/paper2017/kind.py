@@ -7,8 +7,7 @@ from typing import Final
 from reliab.core.errors import InputError
 from reliab.core.progress import show_task
 from reliab.report.document import Document
-from reliab.study.description import SimulatedStudy
-from reliab.study.folders import StudyKind
+from reliab.study.description import SimulatedStudy, StudyKind
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import ELLIPSES, Material, motion_by_name, read_run_dataset, simulation, tracing
 from reliab.sweep.ellipse_dataset import open_ellipses

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import gmean, shapiro
 
 from reliab.core.significant_digits import significant
-from reliab.criterion.goodness_of_fit import SIGNIFICANCE
+from reliab.criterion.cautions import SIGNIFICANCE
 
 from .fits import exponential, quantile
 from .printed import (

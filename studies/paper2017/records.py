@@ -11,8 +11,8 @@ import xarray as xr
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import CurveName, Metric, Side
-from reliab.criterion.ellipse_sample import EllipseSample, is_ellipse
 from reliab.criterion.laws.registry import MANY_MOTION_LAWS
+from reliab.criterion.population import EllipseSample, is_ellipse
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Curve, Ellipse, fit_line
 

@@ -9,8 +9,7 @@ from pydantic import Field
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.report.document import Document
-from reliab.study.description import RecordsStudy, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import RecordsStudy, StudyKind, StudyTable
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import Records
 

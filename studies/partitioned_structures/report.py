@@ -6,10 +6,9 @@ import pandas as pd
 from reliab_studies.validation.report import error_beyond_the_model
 
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import Column, Document, Figure, Section, Table
+from reliab.report.document import Column, Document, Figure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
 
 from .running import PREDICTIONS, ratios
 

@@ -31,13 +31,19 @@ from reliab.simulation.frames.frame_file import governing_mode, place_of_governi
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import (
+    Frame,
+    Specimen,
+    add_specimen,
+    drift_interface,
+    floor_interface,
+    modal_damping,
+)
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, add_specimen, drift_interface, floor_interface
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import open_ellipses
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation, tracking_over_frequency
+from reliab.tracking.indices.tracking import frequency_evaluation, tracking_over_frequency
 
 RATE: Final = 4096.0
 """Sampling rate of the laboratory [Hz]."""

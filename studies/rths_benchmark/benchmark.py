@@ -21,11 +21,10 @@ from reliab_studies.laboratory.laboratory import Rig, Sensors
 
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.closed_loop import Compensator
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.structures.frame import Frame, modal_damping
+from reliab.simulation.transfer_systems.transfer_function import ServoHydraulic
+from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import PlanarFrame
-from reliab.structures.specimen import Specimen, floor_interface
 
 RATE: Final = 4096.0
 """Sampling rate [Hz]."""

@@ -14,8 +14,7 @@ from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.report.document import Document
-from reliab.study.description import Names, RecordsStudy, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import Names, RecordsStudy, StudyKind, StudyTable
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import Records
 

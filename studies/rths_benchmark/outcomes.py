@@ -21,7 +21,7 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.motions.motion import Motion
 from reliab.structures.partition import Partition
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.tracking import frequency_evaluation
 
 from .benchmark import (
     CASES,

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from reliab.motions.intensity import measure
-from reliab.motions.motion import Motion
+from reliab.motions.motion import Motion, measure
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import spectral
 from reliab.structures.structure import Structure

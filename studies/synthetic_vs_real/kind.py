@@ -12,10 +12,9 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion.scope import records_checksum
 from reliab.report.document import Document
-from reliab.study.description import CriterionTable, SimulatedStudy, TransferValidationTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import CriterionTable, SimulatedStudy, StudyKind, TransferValidationTable
 from reliab.study.stages import Stage, digest, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -33,8 +32,7 @@ from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.netcdf import write_netcdf
 from reliab.sweep.results import REAL, open_results, real_results
 from reliab.validation.counts import CrossValidation
-from reliab.validation.earthquakes import earthquakes_among
-from reliab.validation.folds import from_another
+from reliab.validation.folds import earthquakes_among, from_another
 from reliab.validation.judge import cross_validate
 from reliab.validation.truth import StoredTruth
 
@@ -66,7 +64,7 @@ def stages(study: SuitesStudy) -> Sequence[Stage]:
 
 def report(study: SuitesStudy, folder: Path) -> Document:
     """Compare the suites."""
-    from reliab.report.sections.rates import rates_table
+    from reliab.report.sections import rates_table
 
     from .report import suites_report
 

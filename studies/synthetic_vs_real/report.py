@@ -12,15 +12,30 @@ from scipy.stats import ks_2samp
 
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.document import (
+    SOURCES,
+    Block,
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, Shortest, Significant
-from reliab.report.prose import Prose, prose
-from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import apply_style, letters, line, panels
-from reliab.report.wording import join_words
+from reliab.report.prose import Prose, join_words, prose
+from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.report.style import (
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    name_axes,
+    panels,
+    plain,
+)
 
 _WORDS = {
     "peak_acceleration": ("Peak acceleration", "m/s²"),

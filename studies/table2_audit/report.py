@@ -9,13 +9,31 @@ from reliab_studies.paper2017.printed import CLOSE
 
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes
-from reliab.report.document import Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.document import (
+    SOURCES,
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import prose
-from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, INK, VERMILION, apply_style, letters, panels
+from reliab.report.sections import limits_section, method_section
+from reliab.report.style import (
+    BLUE,
+    GREY,
+    INK,
+    VERMILION,
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    letters,
+    name_axes,
+    panels,
+)
 
 from .audit import LARGEST_CHANCE, NONE_FOUND
 

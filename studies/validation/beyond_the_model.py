@@ -27,8 +27,8 @@ from reliab.simulation.hybrid_test.closed_loop import Compensator, run_closed_lo
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.suite_boundary import motion_contours
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 from reliab.tracking.indices.response_error import relative_error, response_error
+from reliab.tracking.indices.tracking import frequency_evaluation
 
 RATE_HZ = 1024.0
 

@@ -14,8 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reliab.core.progress import Progress, silent
-from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.methods.method import BoundMethod, limits
+from reliab.criterion.population import EllipseSample
 
 _FURTHER = 200_000  # motions that stand for the population
 

@@ -12,14 +12,13 @@ from reliab_studies.paper2017.cases_stage import CASES, paper_cases
 from reliab.core.plain_values import read_table, write_table
 from reliab.core.progress import show_task
 from reliab.core.vocabulary import Metric
-from reliab.criterion.provenance import records_checksum
+from reliab.criterion.scope import records_checksum
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.report.document import Document
 from reliab.structures.structure import Structure
-from reliab.study.description import CriterionStudy, ValidationTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import CriterionStudy, StudyKind, ValidationTable
 from reliab.study.stages import Stage, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -76,7 +75,7 @@ def stages(study: ValidationStudy) -> Sequence[Stage]:
 def report(study: ValidationStudy, folder: Path) -> Document:
     """Report containment, false-safe rate and accepted share of every scheme, and what lies beyond."""
     from reliab.report.kinds.criterion.report import no_criterion_report
-    from reliab.report.sections.rates import rates_table
+    from reliab.report.sections import rates_table
     from reliab.validation.counts import tabulate
 
     from .report import validation_report

@@ -8,11 +8,21 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain as rp_plain
 from reliab.report.document import Column, Figure as RpFigure, Paragraph, Section, Table
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
-from reliab.report.style import GREY, INK, apply_style, letters, line, panels
+from reliab.report.style import (
+    GREY,
+    INK,
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    name_axes,
+    panels,
+    plain as rp_plain,
+)
 
 from .rebuilt_error_study.judges import OWN_BOUNDARY, REBUILT, WITH_MODEL
 from .rebuilt_error_study.rigs import LINEAR, PLAIN, RIGHT

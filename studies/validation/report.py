@@ -11,15 +11,30 @@ from reliab_studies.paper2017.pages.displacement_histories import case_histories
 
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.axes import label_logarithmic, legend_below, name_axes, plain
-from reliab.report.document import Block, Column, Document, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.document import (
+    SOURCES,
+    Block,
+    Column,
+    Document,
+    Figure as RpFigure,
+    Paragraph,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.numbers import Fixed, Shortest, WholeNumber
-from reliab.report.prose import Prose, prose
-from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import GREY, apply_style, line, panels
-from reliab.report.wording import law_in_words
+from reliab.report.prose import Prose, law_in_words, prose
+from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.report.style import (
+    GREY,
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    line,
+    name_axes,
+    panels,
+    plain,
+)
 
 from .rebuilt_error import rebuilt_error_section
 

@@ -13,7 +13,7 @@ from reliab.assessment.findings import improvement
 from reliab.assessment.own_motion import OwnBoundary
 from reliab.assessment.placement import LARGEST_PROBABILITY, scale_limits
 from reliab.core.vocabulary import Metric, Side
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.effects.backlash import Backlash
 from reliab.motions.motion import resample
 from reliab.recordings.recording import Recording

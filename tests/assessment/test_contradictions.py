@@ -16,10 +16,9 @@ from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 ONE_HERTZ = Structure(frequency=1.0, damping_ratio=0.02)

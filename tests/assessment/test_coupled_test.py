@@ -18,8 +18,8 @@ from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.signals.filters import LowPass
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame, read_structure
-from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
+from reliab.simulation.frames.transfer_table import PlanarGeometry
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
 from reliab.structures.partition import Partition
 

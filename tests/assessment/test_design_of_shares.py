@@ -30,7 +30,7 @@ def test_a_share_without_a_law_is_refused(alpha, words):
 
 
 def test_a_criterion_of_ones_own_speaks_for_its_own_share():
-    from reliab.criterion.published import published_criterion
+    from reliab.criterion.derivation import published_criterion
 
     criterion = published_criterion("guo_2017_18")
     with pytest.raises(InputError, match="alpha"):

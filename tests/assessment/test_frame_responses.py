@@ -15,9 +15,8 @@ from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures.frame import Frame
+from reliab.structures.frame import Frame, Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 
 RATE, DURATION = 256.0, 20.0
 WHOLE = Frame(

@@ -12,7 +12,7 @@ from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.effects.registry import find_effect
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.recordings.recording import Recording
@@ -20,10 +20,9 @@ from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest, governing_mode, read_structure
 from reliab.simulation.frames.tolerances_table import TolerancesTable
 from reliab.simulation.transfer_systems.transfer_function import TransferFunction
-from reliab.structures.frame import Frame, modal_damping, reference_response
+from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping, reference_response
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, floor_interface
 
 RATE, THINNED = 4096.0, 8
 LAG = StatedValue(1.5e3 / RATE)

@@ -12,9 +12,8 @@ from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.structures.frame import Frame
+from reliab.structures.frame import Frame, Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 
 RATE, DURATION, GAIN, CORNER = 256.0, 20.0, 1.01, 220.0
 # what is off, what is stated of it, and the names of what is drawn

@@ -8,7 +8,7 @@ from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 STRUCTURE = Structure(frequency=1.0, damping_ratio=0.05)

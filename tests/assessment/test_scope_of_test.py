@@ -8,7 +8,7 @@ import pytest
 from reliab.assessment.assess import assess
 from reliab.assessment.default_criterion import criterion_of_response, default_criterion
 from reliab.assessment.placement import compare_test, scope_of_test
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.first_order import FirstOrderEllipse

@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from reliab.assessment.tracking_index import track
 from reliab.recordings.recording import Recording
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.tracking import frequency_evaluation
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import pytest
 from reliab.assessment.assess import assess
 from reliab.assessment.verdict import Word, probability_text, verdict_by_index
 from reliab.core.stated_value import StatedValue
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 

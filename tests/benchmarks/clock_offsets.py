@@ -12,7 +12,7 @@ import numpy as np
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RATE, DURATION, STIFFNESS, PEAK = 200.0, 8.0, 4.0e4, 0.005
 DAMPING_TIME = 0.012

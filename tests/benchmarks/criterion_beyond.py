@@ -31,8 +31,7 @@ from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 from reliab.core.vocabulary import Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.response_measures import ResponseMeasures
-from reliab.criterion.shipped_tables import read_shipped_measures
+from reliab.criterion.response_measures import ResponseMeasures, read_shipped_measures
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure

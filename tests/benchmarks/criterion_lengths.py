@@ -22,8 +22,8 @@ from criterion_scope import STRUCTURES, errors_on_edges, limits_of as limits_at,
 from simulated_populations import POPULATIONS, SEED, simulate_earthquake
 
 from reliab.criterion.carrying import carry_to_length, protect_over_lengths
-from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
+from reliab.motions.motion import arias_times
 from reliab.validation.truth import SimulatedTruth
 
 THRESHOLDS = (0.02, 0.05)

@@ -24,7 +24,7 @@ from reliab.criterion.derivation import Derivation
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_table import as_table
 from reliab.criterion.methods.registry import method_of
-from reliab.criterion.shipped_tables import read_shipped_ellipses
+from reliab.criterion.response_measures import read_shipped_ellipses
 from reliab.motions.loading import load_motions
 from reliab.sweep.netcdf import read_netcdf
 from reliab.validation.truth import Cell, Region, SimulatedTruth

@@ -29,7 +29,7 @@ from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import block_length, cut
 from reliab.simulation.linear_loop.pole_plane import mean_squares
 from reliab.structures.structure import Structure
-from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.request import ExplicitGrid
 
 RATE_HZ = 1024.0
 REPETITIONS = 15

@@ -15,7 +15,7 @@ from reliab.motions.motion import Motion
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame
 from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.request import ExplicitGrid
 
 FRAMES = ("three_storeys", "benchmark_case_1")
 

@@ -55,7 +55,7 @@ from reliab.assessment.verdict import Word, word_of_probability
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.recordings.calibration import calibrate_channels, calibration_in_toml
 from reliab.recordings.channels_file import read_channels_file
 from reliab.recordings.recording import Recording

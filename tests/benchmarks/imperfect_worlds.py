@@ -35,7 +35,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.segment import cut_segments, motions_of
 from reliab.recordings.recording import StatedChannels
-from reliab.study.folders import PACKAGE
+from reliab.study.description import PACKAGE
 
 OFFSETS = {"sensor_bias", "force_bias"}
 BINS = (0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.001)

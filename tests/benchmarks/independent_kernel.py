@@ -26,7 +26,7 @@ from reliab.motions.motion import Motion, resample
 from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure, critical_delay
-from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep.request import ExplicitGrid
 
 Numbers = NDArray[np.float64]
 LANES = 64  # cells that advance side by side

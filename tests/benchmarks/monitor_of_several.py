@@ -23,7 +23,7 @@ from in_loop_alarms import RATE, THRESHOLD, LoopCase, end_at_switch_off, frame_c
 from reliab.assessment.monitor import Monitor
 from reliab.motions.motion import Motion, resample
 from reliab.motions.synthetic.suite import synthetic_suite
-from reliab.study.folders import PACKAGE
+from reliab.study.description import PACKAGE
 
 controllers, loop, plants, outcomes, structure = (
     import_module(f"{PACKAGE}.marths_benchmark.{name}")

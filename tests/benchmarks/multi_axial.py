@@ -21,7 +21,7 @@ import pandas as pd
 import paths  # noqa: F401 - makes the laboratory importable
 from rebuilt_error.laboratory import read_at2
 
-from reliab.study.folders import PACKAGE
+from reliab.study.description import PACKAGE
 
 controllers, loop, plants, outcomes, structure = (
     import_module(f"{PACKAGE}.marths_benchmark.{name}")

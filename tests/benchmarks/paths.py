@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-import reliab.study.folders  # noqa: F401 - makes the studies importable
+import reliab.study.description  # noqa: F401 - makes the studies importable
 
 ROOT = Path(__file__).resolve().parents[2]
 MOTIONS = ROOT.parent / "shared" / "motions"

@@ -44,7 +44,7 @@ from reliab.core.vocabulary import Metric
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)

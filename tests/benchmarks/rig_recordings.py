@@ -27,11 +27,11 @@ from rig_rows import rig_table, rig_test
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.core.errors import InputError
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.recordings.recording import Recording
 from reliab.rig.memory import NextTest
 from reliab.rig.prediction import predict_next
-from reliab.rig.rig_table import describe_test
+from reliab.rig.rig_folder import describe_test
 from reliab.structures.structure import Structure
 
 TESTS, TESTS_OF_DAY, RATE = 96, 6, 512.0

@@ -37,7 +37,7 @@ from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.same_test import combine_runs
 from reliab.assessment.verdict import word_of_probability
 from reliab.core.errors import InputError
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.recordings.recording import Recording
 
 SPECIMENS = (lab.LINEAR, lab.CUBIC, lab.HYSTERESIS)

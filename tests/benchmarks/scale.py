@@ -14,9 +14,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from reliab.motions.catalogue import write_suite
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 
 COUNTS = (100, 1_000, 10_000)
 STRUCTURE = ("--f", 1, "--xi", 0.02)

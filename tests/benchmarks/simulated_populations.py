@@ -33,12 +33,11 @@ from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import physical_parameters, regression_of
 from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenario
-from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.recording import TIME_STEP
+from reliab.motions.synthetic.recording import TIME_STEP, RandomStream
 from reliab.motions.synthetic.suite import _record
 from reliab.sweep.cut_records import add_known_cut_records, measure_cut_records
+from reliab.sweep.ellipse_table import measure_responses
 from reliab.sweep.netcdf import read_netcdf
-from reliab.sweep.response_measures import measure_responses
 
 SEED = 3435
 POPULATIONS = {

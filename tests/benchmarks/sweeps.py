@@ -25,8 +25,7 @@ import psutil
 
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
-from reliab.sweep.grid import ExplicitGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import ExplicitGrid, SweepRequest
 from reliab.sweep.run import run_sweep
 
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)

@@ -25,7 +25,7 @@ from reliab.recordings.reading import read_recording
 RATE, SECONDS, MASS = 1024.0, 40.0, 1000.0
 ONE_HERTZ = 2.0 * np.pi
 ROOT = Path(__file__).resolve().parents[2]
-IMPORTS = "import reliab.app.api.assessment, reliab.app.api.channels, reliab.app.cli.assess"
+IMPORTS = "import reliab.app.api.assessment, reliab.app.api.arguments, reliab.app.cli.assess"
 FIRST = "import reliab; reliab.assess('sample_test', f=1, xi=0.02)"
 LATER = """
 import time, reliab

@@ -7,7 +7,7 @@ import xarray as xr
 from reliab.core.log_quantization import from_steps, to_steps
 from reliab.core.shipped import shipped
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.shipped_tables import read_shipped_ellipses, read_shipped_measures
+from reliab.criterion.response_measures import read_shipped_ellipses, read_shipped_measures
 from reliab.sweep.ellipse_dataset import open_windows
 from reliab.sweep.netcdf import pack, read_netcdf, write_netcdf
 

@@ -8,8 +8,8 @@ import pytest
 import reliab
 from reliab.assessment.budget.sizes import Equipment, ordinary_equipment, read_equipment
 from reliab.core.errors import InputError
-from reliab.core.physical_range import LARGEST, RANGES, SMALLEST, require_physical
 from reliab.core.shipped import shipped
+from reliab.core.stated_value import LARGEST, RANGES, SMALLEST, require_physical
 from reliab.recordings.channels_file import read_channels_file
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.simulation.hybrid_test.model_file import read_model

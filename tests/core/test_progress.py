@@ -21,16 +21,13 @@ from reliab.motions.loading import load_motions
 from reliab.sampling.ensembles import Ensembles, sample
 from reliab.simulation.frames.frame_file import frame_of_tables, read_structure
 from reliab.structures.structure import Structure
-from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
+from reliab.sweep.ellipse_table import EllipseRequest, measure_responses, predict_ellipses, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, limits_of_coupling, trace_frame_ellipses
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
-from reliab.sweep.response_measures import measure_responses
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
 from reliab.validation.folds import k_fold
-from reliab.validation.judge import DerivedCandidate, cross_validate
-from reliab.validation.probability_calibration import probability_calibration
+from reliab.validation.judge import DerivedCandidate, cross_validate, probability_calibration
 
 PACKAGE = Path(reliab.__file__).parent
 MOTIONS = load_motions("synthetic")[:2]

@@ -6,7 +6,7 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.core.text_tables import TimesOfDay, number_of, time_of_day
 from reliab.recordings.following import rows_as_written
-from reliab.recordings.readers.header import header_of
+from reliab.recordings.readers.text import header_of
 from reliab.recordings.reading import read_recording
 
 RATE = 256.0

@@ -13,15 +13,16 @@ from reliab.criterion.cautions import (
     _extrapolation_caution,
     _omission_caution,
     _shortfall,
+    lognormality,
     not_lognormal,
+    objection,
+    quantile_plot,
 )
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.distributions import Lognormal
-from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.experimental_share import whole_is_worst
-from reliab.criterion.goodness_of_fit import lognormality, objection, quantile_plot
 from reliab.criterion.methods.registry import METHODS, method_of
-from reliab.criterion.population import SampleGrid
+from reliab.criterion.population import SampleGrid, sample_of
 
 SELECTION = {"threshold": 0.05, "metric": "rms", "curve": CurveName.INSCRIBED, "side": "lag"}
 

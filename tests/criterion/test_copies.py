@@ -11,8 +11,8 @@ from reliab.app.api.validation import validate_criteria
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_table import as_table, drop_copies
-from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
+from reliab.motions.motion import arias_times
 
 
 def write_record(folder, motion, name):

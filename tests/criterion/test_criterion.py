@@ -10,7 +10,7 @@ import reliab
 from reliab.core.errors import InputError
 from reliab.criterion.carrying import _line_above_zero
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.derivation import derive_criterion, share_at_rest
+from reliab.criterion.derivation import derive_criterion, published_criterion, share_at_rest
 from reliab.criterion.ellipse_table import EllipseTable
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.laws.exponential import Exponential
@@ -19,8 +19,7 @@ from reliab.criterion.laws.table import TabulatedLimits
 from reliab.criterion.methods.dirichlet import Dirichlet
 from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.motion_predictive import roots_of_increasing
-from reliab.criterion.published import published_criterion
-from reliab.criterion.shipped_tables import read_shipped_ellipses
+from reliab.criterion.response_measures import read_shipped_ellipses
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.methods.quantile import Quantile
+from reliab.criterion.population import sample_of
 
 
 @pytest.fixture(scope="module")

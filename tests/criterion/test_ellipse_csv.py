@@ -5,7 +5,7 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_sample import sample_of
+from reliab.criterion.population import sample_of
 
 
 def write_ellipses(tmp_path, text):

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reliab.criterion.event_components import event_components
-from reliab.criterion.motion_predictive import MotionPredictive
+from reliab.criterion.motion_predictive import MotionPredictive, event_components
 
 
 def draw_motions(rng, sizes, event_variance, motion_variance):

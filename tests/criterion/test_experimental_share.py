@@ -15,8 +15,8 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
+from reliab.sweep.labels import select_share
 from reliab.sweep.request import excitation_of
-from reliab.sweep.shares import select_share
 from reliab.tracking.boundary.first_order import first_order_ellipse
 from reliab.tracking.indices.response_error import relative_error
 

@@ -12,14 +12,13 @@ from reliab.app.api.derived_criteria import summarise
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.derivation import derive_criterion
+from reliab.criterion.derivation import derive_criterion, published_criterion
 from reliab.criterion.distributions import DISTRIBUTIONS
-from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws.registry import FITTED_LAWS
 from reliab.criterion.methods.method import BoundMethod, limits
 from reliab.criterion.methods.registry import METHODS, method_of
 from reliab.criterion.motion_predictive import MotionPredictive
-from reliab.criterion.published import published_criterion
+from reliab.criterion.population import EllipseSample
 
 BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, BoundMethod)]
 

@@ -12,8 +12,8 @@ from reliab.criterion.carrying import carry_to_length, protect_over_lengths
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.ellipse_table import EllipseTable, as_table
-from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
+from reliab.motions.motion import arias_times
 from reliab.sweep.cut_records import add_known_cut_records
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import open_results, real_results

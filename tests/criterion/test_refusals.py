@@ -10,11 +10,10 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.ellipse_sample import EllipseSample
 from reliab.criterion.laws.law import validate_coefficients, validate_grid
 from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
 from reliab.criterion.methods.quantile import Quantile
-from reliab.criterion.population import Population
+from reliab.criterion.population import EllipseSample, Population
 
 A, B = np.array([1e-4, 2e-4, 3e-4]), np.array([1.0, 2.0, 4.0])
 EVENTS = np.array(["E1", "E2", "E3"])

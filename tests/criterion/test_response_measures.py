@@ -7,9 +7,8 @@ from reliab.core.shipped import shipped
 from reliab.criterion.carrying import carry_to_response
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures
+from reliab.criterion.response_measures import BoundaryScales, ResponseMeasures, read_shipped_measures
 from reliab.criterion.scope import Position, compare_with_scope, population_of, scope_of
-from reliab.criterion.shipped_tables import read_shipped_measures
 from reliab.sweep.netcdf import read_netcdf
 
 CONFIDENCES = (0.5, 0.8, 0.9, 0.95)

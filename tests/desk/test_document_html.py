@@ -7,7 +7,7 @@ import pytest
 
 from reliab.app.api.rigs import document_of_rig
 from reliab.core.shipped import shipped
-from reliab.desk.document_html import document_html
+from reliab.desk.work import document_html
 from reliab.report.document import Column, Document, Paragraph, Points, Section, Table
 from reliab.report.numbers import Fixed
 from reliab.report.prose import formula, prose

@@ -11,8 +11,8 @@ import reliab
 from reliab.app.cli import run
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
+from reliab.desk.page import channels_toml, command_line, number, python_line
 from reliab.desk.pages.judge import corrections_of
-from reliab.desk.questions import channels_toml, command_line, number, python_line
 
 SAMPLE = shipped("datasets", "sample_test/test.csv")
 QUESTION = {"f": "1±0.01", "xi": "0.02±0.002", "threshold": 0.04, "specimen": "linear"}

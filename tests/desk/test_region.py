@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment.design import boundaries_of_motions, tolerable_errors, tolerable_sides
-from reliab.desk.drawings import RegionDrawing, half_ellipse
 from reliab.desk.pages.before import limits_html
+from reliab.desk.verdict_view import RegionDrawing, half_ellipse
 
 STRUCTURES = [(1.0, 0.02, 1.0), (1.3, 0.035, 0.6), (4.9, 0.04, 0.5)]
 

@@ -14,7 +14,7 @@ from reliab.discrepancy.campaign.contradictions import _cross_spectrum, require_
 from reliab.discrepancy.campaign.reading import read_campaign, read_channels
 from reliab.discrepancy.diagnose import diagnose
 from reliab.recordings.recording import StatedChannels
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RIGS = ("rig_a", "rig_b", "rig_c")
 read_rig = cache(read_campaign)

@@ -9,7 +9,7 @@ from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.effects.general.general_terms import ElasticStops
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 TIME = np.arange(0.0, 3.0, 0.002)
 DISPLACEMENT = 0.1 * np.sin(2.0 * np.pi * TIME)

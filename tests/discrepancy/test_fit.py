@@ -20,11 +20,10 @@ from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library
-from reliab.signals.noise import NoiseModel
-from reliab.signals.wiener import velocity_spread
+from reliab.signals.noise import NoiseModel, velocity_spread
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_force
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 RATE, NOISE = 1024.0, 2.0

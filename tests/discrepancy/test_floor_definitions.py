@@ -9,7 +9,7 @@ from reliab.core.errors import InputError
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.proof import Source, _close, _period, floors
 from reliab.discrepancy.segment import motions_of, scales_of
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RATE = 400.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

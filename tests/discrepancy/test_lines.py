@@ -5,7 +5,7 @@ import pytest
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RATE = 200.0
 TIME = np.arange(0.0, 40.0, 1.0 / RATE)

@@ -24,7 +24,7 @@ from reliab.effects.registry import find_effect
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RATE, NOISE = 256.0, 2.0
 SPECIMEN = Specimen(stiffness=2000.0)

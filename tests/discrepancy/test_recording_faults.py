@@ -24,7 +24,7 @@ from reliab.discrepancy.terms import (
 from reliab.effects.added_mass import AddedMass
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 RATE, STIFFNESS = 200.0, 4.0e4

@@ -5,7 +5,7 @@ import pytest
 from scipy import signal
 
 from reliab.discrepancy.segment import smooth_motion
-from reliab.signals.wiener import _spectra, reliable_frequency, velocity_spread
+from reliab.signals.noise import _spectra, reliable_frequency, velocity_spread
 
 RATE = 1024.0
 TIME = np.arange(46080) / RATE

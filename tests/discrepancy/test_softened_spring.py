@@ -12,7 +12,7 @@ from reliab.discrepancy.segment import motions_of, scales_of
 from reliab.effects.softening import Softening
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 SPRING = Specimen(stiffness=1000.0)
 RUBBER = HybridTest(specimen=SPRING, effects=(Softening(lost_n_per_m=400.0, power=2.0),))

@@ -14,9 +14,8 @@ from reliab.discrepancy.segment import (
     skip_end,
     skip_transient,
 )
-from reliab.signals import wiener
-from reliab.signals.noise import NoiseModel
-from reliab.signals.wiener import _average, _share, _spectra, harmonics_up_to, reliable_frequency
+from reliab.signals import noise
+from reliab.signals.noise import NoiseModel, _average, _share, _spectra, harmonics_up_to, reliable_frequency
 from reliab.simulation.hybrid_test.open_loop import Motion3
 from reliab.structures.structure import Structure
 
@@ -110,7 +109,7 @@ def test_displacements_are_reliable_where_most_of_them_are_clear(monkeypatch):
     def spectra(last, *_):
         return None, frequency, np.where(frequency <= last, 51.0, 49.0), np.ones(frequency.size)
 
-    monkeypatch.setattr(wiener, "_spectra", spectra)
+    monkeypatch.setattr(noise, "_spectra", spectra)
     assert reliable_frequency([4.0, 9.0, 30.0], 0.01, 45.0) == 9.0
     assert reliable_frequency([55.0], 0.01, 45.0) == 45.0
     assert reliable_frequency([0.5], 0.01, 45.0) == 1.0

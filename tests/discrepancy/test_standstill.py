@@ -9,7 +9,7 @@ from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.naming.unexplained import standstill
 from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 RATE = 512.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)

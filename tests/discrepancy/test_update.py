@@ -15,7 +15,7 @@ from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model, write_model
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 RATE = 256.0

@@ -10,7 +10,7 @@ from reliab.effects.effect import Setting
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 STEP = 1e-3
 TIME = np.arange(0.0, 8.0, STEP)

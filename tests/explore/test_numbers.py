@@ -15,7 +15,7 @@ from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Side
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.structures.structure import Structure
 
 ROUNDED = 3e-4

@@ -12,7 +12,7 @@ from fuzz import corpus
 from fuzz.damage import write
 
 from reliab.core.files import UNFINISHED
-from reliab.motions.writing import write_suite
+from reliab.motions.catalogue import write_suite
 from reliab.sweep.ellipse_dataset import write_ellipses
 
 

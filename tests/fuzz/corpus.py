@@ -20,19 +20,17 @@ from normal_values import NormalValues
 from recordings.layouts import LAYOUTS, record
 from scipy.io import netcdf_file, savemat
 
-from reliab.criterion.derivation import derive_criterion
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import derive_criterion, published_criterion
 from reliab.effects.registry import find_effect
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
 from reliab.sampling.ensembles import Ensembles, draw
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import write_ellipses
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.run import run_sweep
 
 Case = dict[str, bytes]

@@ -18,8 +18,7 @@ import typer
 
 from fuzz import corpus
 from fuzz.damage import SECRET, DamagedCase, secret_of, write
-from reliab.app.cli import application, run
-from reliab.app.cli.defaults import read_defaults
+from reliab.app.cli import application, read_defaults, run
 from reliab.core.errors import IncompleteError, InputError
 from reliab.core.files import ordinary
 from reliab.criterion.criterion import Criterion

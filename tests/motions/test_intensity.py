@@ -7,14 +7,14 @@ from scipy import integrate, optimize
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.intensity import (
+from reliab.motions.motion import (
+    Motion,
     arias_intensity,
     arias_times,
     mean_period,
     measure,
     significant_duration,
 )
-from reliab.motions.motion import Motion
 
 RECORDS = st.lists(st.floats(-10.0, 10.0), min_size=3, max_size=12).filter(
     lambda values: max(map(abs, values)) > 1e-3

@@ -10,9 +10,8 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.intensity import arias_times
 from reliab.motions.loading import load_motions
-from reliab.motions.motion import Motion, are_copies, outline_of, resample
+from reliab.motions.motion import Motion, are_copies, arias_times, outline_of, resample
 
 G = STANDARD_GRAVITY
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from reliab.core.vocabulary import STANDARD_GRAVITY
+from reliab.motions.catalogue import write_suite
 from reliab.motions.checking import inspect
 from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 
 SET_NAMES = ["far_field", "near_field", "held_out"]
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, strategies as st
 
 from reliab.core.errors import InputError
+from reliab.motions.catalogue import write_motion, write_suite
 from reliab.motions.checking import inspect
 from reliab.motions.loading import load_motions, read_motion
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_motion, write_suite
 
 LABELS = st.text("abcXYZ019 /.,;-_()'\"äß", max_size=12).map(lambda text: " ".join(text.split()))
 

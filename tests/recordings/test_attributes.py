@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.io import netcdf_file, savemat
 
 from reliab.core.errors import InputError
-from reliab.recordings.readers.attributes import series_of
+from reliab.recordings.readers.columns import series_of
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import read_recording
 from reliab.recordings.record import check_record, record_test, write_record

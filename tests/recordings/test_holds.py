@@ -6,12 +6,11 @@ import pytest
 
 import reliab
 from reliab.core.errors import InputError
-from reliab.recordings.behaviour import find_hold
+from reliab.recordings.behaviour import find_hold, remove_spikes, spikes
 from reliab.recordings.followed_rows import rows_at_equal_steps
 from reliab.recordings.following import Rows
 from reliab.recordings.reading import read_recording
 from reliab.recordings.recording import Recording
-from reliab.recordings.spikes import remove_spikes, spikes
 
 RATE, SIZE, DELAY = 1024.0, 12288, 2e-3
 TIME = np.arange(SIZE) / RATE

@@ -9,7 +9,7 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.recordings.readers import hierarchical
 from reliab.recordings.readers.hierarchical import read_hierarchical
-from reliab.recordings.readers.objects import tree_of_objects
+from reliab.recordings.readers.matlab import tree_of_objects
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import read_recording
 

@@ -6,12 +6,12 @@ import pytest
 
 import reliab
 from reliab.core.errors import InputError
+from reliab.recordings.behaviour import extent_of_test, zero_of
 from reliab.recordings.coupled_recording import read_coupled_recording
 from reliab.recordings.followed_rows import rows_about_zero
 from reliab.recordings.following import Rows
 from reliab.recordings.reading import read_recording
 from reliab.recordings.recording import StatedChannels
-from reliab.recordings.zero import extent_of_test, zero_of
 
 RATE = 256.0
 TIME = np.arange(int(20 * RATE)) / RATE

@@ -30,8 +30,8 @@ from reliab.report.style import svg
 from reliab.report.terminal import print_blocks
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
+from reliab.structures.frame import Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 pytestmark = pytest.mark.usefixtures("blank_figures")

@@ -11,15 +11,15 @@ from reliab.criterion.methods.registry import method_of
 from reliab.report.document import Figure, Paragraph, Table
 from reliab.report.kinds import discrepancy_report as discrepancy
 from reliab.report.kinds.criterion.result import ReportedCriteria, result_section
-from reliab.report.sections.method import (
+from reliab.report.sections import (
     _FITTED_ELLIPSE,
     _INSCRIBED_ELLIPSE,
     _assumptions,
     _boundary,
     _confidence,
     limits_section,
+    rates_section,
 )
-from reliab.report.sections.rates import rates_section
 
 
 def words(blocks):

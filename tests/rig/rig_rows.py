@@ -5,8 +5,7 @@ import hashlib
 import numpy as np
 import xarray as xr
 
-from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import RigTable, RigTest, sort_table
+from reliab.rig.rig_folder import RigFolder, RigTable, RigTest, sort_table
 
 RECORD = xr.Dataset({"measured": (("actuator", "time"), np.zeros((1, 4)))})
 

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.rig.covariates import Covariates
+from reliab.rig.covariates import LEVEL, Covariates
 from reliab.rig.learned import ResidualDistribution, last_ten, learn, pool, score_left_out_events
-from reliab.rig.variances import LEVEL
 
 NEXT = Covariates(groups={"event": np.array([""])})
 

@@ -17,8 +17,7 @@ from rig_rows import keep, rig_test
 from reliab.app.api.rigs import export_rig, list_rig
 from reliab.app.cli import run
 from reliab.core.errors import InputError
-from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import require_date
+from reliab.rig.rig_folder import RigFolder, require_date
 
 ROOT = Path(__file__).parents[2]
 WRITER = """

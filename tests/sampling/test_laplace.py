@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reliab.sampling.model import Laplace
+from reliab.sampling.ensembles import Laplace
 
 COVARIANCE = np.array([[4e-6, 9e-4], [9e-4, 0.36]])
 MODE = np.array([1.003, 7.2])

@@ -10,7 +10,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, spectral
 from reliab.simulation.linear_loop.blocks import cut
-from reliab.simulation.linear_loop.dominant_pole import transfer
+from reliab.simulation.linear_loop.pole_recursion import transfer
 from reliab.structures.structure import Structure
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.special import lambertw
 
-from reliab.simulation.linear_loop.dominant_pole import dominant_pole, modal_loop, transfer
+from reliab.simulation.linear_loop.pole_recursion import dominant_pole, modal_loop, transfer
 from reliab.structures.structure import Structure, critical_delay
 
 

@@ -16,8 +16,7 @@ from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, pole_recursion
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.structures.structure import Structure, critical_delay
-from reliab.sweep.grid import ExplicitGrid
-from reliab.sweep.request import excitation_of
+from reliab.sweep.request import ExplicitGrid, excitation_of
 from reliab.tracking.indices.response_error import relative_error
 from reliab.tracking.indices.window import Window
 

@@ -14,7 +14,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.linear_loop import spectral
-from reliab.simulation.linear_loop.dominant_pole import dominant_pole
+from reliab.simulation.linear_loop.pole_recursion import dominant_pole
 from reliab.structures.structure import Structure, critical_delay, longest_lead, stability_margin
 from reliab.sweep.request import excitation_of
 from reliab.tracking.indices.response_error import relative_error

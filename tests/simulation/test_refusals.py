@@ -20,10 +20,9 @@ from reliab.simulation.frames.transfer_table import read_matlab, transfer_functi
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.simulation.transfer_systems.transfer_function import TransferFunction
+from reliab.simulation.transfer_systems.transfer_function import ServoHydraulic, TransferFunction
+from reliab.structures.frame import Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 1024.0

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from reliab.simulation.frames.reduced_loop import _remainder
-from reliab.simulation.linear_loop.dominant_pole import LeadingLoop
-from reliab.simulation.linear_loop.pole_recursion import leading_recursion
+from reliab.simulation.linear_loop.pole_recursion import LeadingLoop, leading_recursion
 
 STEP = 0.02
 GROUND = np.random.default_rng(8).normal(size=60)

@@ -11,8 +11,7 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import drive_stepping, pole_recursion
 from reliab.simulation.linear_loop.delay_stepper import response
-from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse
-from reliab.simulation.linear_loop.shared_drives import shared_drives
+from reliab.simulation.linear_loop.drive_stepping import DrivenRecord, DriveResponse, shared_drives
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import relative_error
 

@@ -9,8 +9,8 @@ import pytest
 from reliab.core.errors import InputError
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.registry import find_effect
+from reliab.structures.frame import Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 SOUND = Structure(frequency=1.0, damping_ratio=0.05)

@@ -10,7 +10,7 @@ from reliab_studies.validation.report import validation_report
 
 from reliab.motions.motion import Motion
 from reliab.report.document import Table
-from reliab.report.sections.rates import rates_section
+from reliab.report.sections import rates_section
 
 
 @pytest.mark.default_cases(1)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from reliab.motions.catalogue import write_suite
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 from reliab.study.running import study_from
 
 

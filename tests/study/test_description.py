@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.study.folders import folders_of_studies
+from reliab.study.description import folders_of_studies
 from reliab.study.running import open_study, read_study
 
 

@@ -15,8 +15,8 @@ import reliab
 from reliab.app.api import studies
 from reliab.core.errors import InputError
 from reliab.core.shipped import find_shipped_folder
-from reliab.study import folders
-from reliab.study.folders import folders_of_studies, kind_of
+from reliab.study import description
+from reliab.study.description import folders_of_studies, kind_of
 from reliab.study.kinds import KINDS
 from reliab.study.running import list_shipped, open_study, run_study
 
@@ -78,8 +78,8 @@ def study_folders(tmp_path, monkeypatch):
     broken = write_study(studies / "broken")
     (broken / "kind.py").write_text("raise RuntimeError('broken')", encoding="utf-8")
     (broken / "study.toml").write_text('kind = "broken"\ntitle = "Broken"', encoding="utf-8")
-    monkeypatch.setattr(folders, "_studies_root", lambda: studies)
-    monkeypatch.setattr(folders, "PACKAGE", f"studies_of_{tmp_path.name}")
+    monkeypatch.setattr(description, "_studies_root", lambda: studies)
+    monkeypatch.setattr(description, "PACKAGE", f"studies_of_{tmp_path.name}")
     return studies
 
 

@@ -14,7 +14,7 @@ from reliab.core.errors import InputError
 from reliab.core.files import UNFINISHED
 from reliab.core.progress import shows_tasks
 from reliab.criterion.laws.registry import FITTED_LAWS
-from reliab.criterion.provenance import read_versions
+from reliab.criterion.scope import read_versions
 from reliab.report.document import Points, Section
 from reliab.report.prose import plain_text
 from reliab.study import stages

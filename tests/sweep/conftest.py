@@ -10,8 +10,7 @@ import pytest
 
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.run import run_sweep
 from reliab.tracking.indices.window import Window
 

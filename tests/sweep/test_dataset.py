@@ -12,18 +12,16 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop import delay_stepper, spectral
 from reliab.simulation.linear_loop.blocks import cut
-from reliab.simulation.linear_loop.dominant_pole import transfer
+from reliab.simulation.linear_loop.pole_recursion import transfer
 from reliab.structures.structure import critical_delay
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
-from reliab.sweep.grid import ExplicitGrid, ScaledGrid
-from reliab.sweep.plain import sweep_request
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import ExplicitGrid, ScaledGrid, SweepRequest, sweep_request
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 from reliab.tracking.boundary.curves import Ellipse
 from reliab.tracking.boundary.suite_boundary import motion_contours
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
 from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.tracking import frequency_evaluation
 from reliab.tracking.indices.window import Window
 
 

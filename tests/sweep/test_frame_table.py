@@ -10,9 +10,8 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.frames.frame_file import FrameUnderTest, frame_of_tables, governing_mode
-from reliab.structures.frame import Frame
+from reliab.structures.frame import Frame, Specimen, floor_interface
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, errors_of_rig, summary_of_rig, trace_frame_ellipses

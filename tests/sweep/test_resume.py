@@ -19,9 +19,8 @@ import pytest
 import reliab
 from reliab.core.errors import IncompleteError, InputError
 from reliab.motions.loading import load_motions
-from reliab.sweep import store
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep import run
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.results import open_results
 from reliab.sweep.run import _divide_into_tasks, _side_by_side, run_sweep
 
@@ -32,7 +31,7 @@ SCRIPT = textwrap.dedent(
     """
     import sys
     from reliab.motions.loading import load_motions
-    from reliab.sweep.grid import ScaledGrid
+    from reliab.sweep.request import ScaledGrid
     from reliab.sweep.request import SweepRequest
     from reliab.sweep.run import run_sweep
 
@@ -100,11 +99,11 @@ def test_resumed_store_has_the_same_bytes(tmp_path, reference, contents):
 def test_the_journal_is_written_when_it_is_due(tmp_path, suite, monkeypatch, tick):
     """A process that is killed closes nothing; by this clock every motion is due, or none before the end."""
     clock = (100.0 + tick * reading for reading in itertools.count())
-    monkeypatch.setattr(store, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    monkeypatch.setattr(run, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     path, reference = tmp_path / "results.zarr", []
 
     def look(step: int, _: int) -> None:
-        entries = store.array_of(store.open_group(path, "r"), store.JOURNAL)[:]  # type: ignore[attr-defined]
+        entries = run.array_of(run.open_group(path, "r"), run.JOURNAL)[:]  # type: ignore[attr-defined]
         reference.append(sum(map(bool, entries)) >= step if tick else not any(entries))
 
     run_sweep(suite, REQUEST, path, progress=look, workers=1)
@@ -163,7 +162,7 @@ def test_full_disk_at_start_is_named(tmp_path, suite, request_, monkeypatch):
     def create_store(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(store, "create_store", create_store)
+    monkeypatch.setattr(run, "create_store", create_store)
     with pytest.raises(InputError, match=r"No space left.*Make room"):
         run_sweep(suite, request_, tmp_path / "results.zarr")
 
@@ -171,7 +170,7 @@ def test_full_disk_at_start_is_named(tmp_path, suite, request_, monkeypatch):
 def test_second_process_is_refused(tmp_path, suite, request_):
     path = tmp_path / "results.zarr"
     with (
-        store.ResultsStore.open(path, request_, suite.names, suite.events, resume=False),
+        run.ResultsStore.open(path, request_, suite.names, suite.events, resume=False),
         pytest.raises(InputError, match="Only one process"),
     ):
         run_sweep(suite, request_, path, resume=True)
@@ -212,7 +211,7 @@ def test_another_sweep_is_not_mixed_in(own_store, suite, request_):
 
 
 def test_full_disk_message_says_results_are_safe(tmp_path, suite, request_, monkeypatch):
-    original = store.write_chunk  # type: ignore[attr-defined]
+    original = run.write_chunk  # type: ignore[attr-defined]
 
     def write_chunk(path, motion_variance, chunk):
         if motion_variance.name.startswith("c.2."):
@@ -220,10 +219,10 @@ def test_full_disk_message_says_results_are_safe(tmp_path, suite, request_, monk
         original(path, motion_variance, chunk)
 
     path = tmp_path / "results.zarr"
-    monkeypatch.setattr(store, "write_chunk", write_chunk)
+    monkeypatch.setattr(run, "write_chunk", write_chunk)
     with pytest.raises(IncompleteError, match=r"disk is full.*results of 2 motions are safe.*`resume`"):
         run_sweep(suite, request_, path, workers=1)
-    monkeypatch.setattr(store, "write_chunk", original)
+    monkeypatch.setattr(run, "write_chunk", original)
     run_sweep(suite, request_, path, resume=True)
     assert open_results(path).sizes["motion"] == 6
 

@@ -19,11 +19,10 @@ from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import curve_row, open_ellipses, share_at_rest, write_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
 from reliab.sweep.frame_table import FrameRequest, trace_frame_ellipses
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.labels import select_share, shares_of
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.results import open_results, write_compact
 from reliab.sweep.run import run_sweep
-from reliab.sweep.shares import select_share, shares_of
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Ellipse, InscribedEllipse
 from reliab.tracking.indices.response_error import relative_error

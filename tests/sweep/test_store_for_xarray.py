@@ -12,8 +12,8 @@ import xarray as xr
 import zarr
 
 from reliab.core.errors import IncompleteError, InputError
-from reliab.sweep import store as stores
-from reliab.sweep.grid import ExplicitGrid
+from reliab.sweep import run as stores
+from reliab.sweep.request import ExplicitGrid
 from reliab.sweep.results import open_results
 from reliab.sweep.run import run_sweep
 from reliab.sweep.store_layout import chunk_path, codecs, encode, write_chunk

@@ -9,7 +9,7 @@ import pandas as pd
 from coupled_structures import coupled_response
 
 from reliab.core.shipped import shipped
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.effects.registry import find_effect
 from reliab.simulation.frames.frame_file import read_frame, read_structure
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop

@@ -6,7 +6,7 @@ import xarray as xr
 from reliab.core.shipped import shipped
 from reliab.motions.loading import load_motions
 from reliab.sweep.ellipse_dataset import open_ellipses
-from reliab.validation.earthquakes import earthquakes_among
+from reliab.validation.folds import earthquakes_among
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reliab.validation.probability_calibration import probability_calibration
+from reliab.validation.judge import probability_calibration
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """Reports say what was measured on specimens that yield."""
 
-from reliab.report.sections.method import limits_section
+from reliab.report.sections import limits_section
 from reliab.validation.yielding import read_yielding
 
 

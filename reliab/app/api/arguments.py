@@ -8,14 +8,14 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Final
 
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, require_physical
 
 if TYPE_CHECKING:
     from reliab.assessment.budget.sizes import Equipment
     from reliab.recordings.recording import Recording
     from reliab.signals.filters import LowPass
     from reliab.structures.structure import Structure
+
 
 LINEAR: Final = "linear"
 """A specimen that is stated as linear."""

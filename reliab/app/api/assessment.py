@@ -374,7 +374,7 @@ def draw_chart(answer: "Design | Comparison", figure: str | Path) -> None:
     `figure`: the file, which ends in .svg, .png or .pdf.
     """
     from reliab.app.api.design import Design
-    from reliab.report.figures.tests_by_error import draw_ranked_tests, tolerable_errors_over_frequency
+    from reliab.report.figures.measured_test import draw_ranked_tests, tolerable_errors_over_frequency
     from reliab.report.style import picture
 
     chart = (

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from reliab.app.api.arguments import parse_filters, refuse_stated, refuse_unused
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.progress import Progress
 from reliab.core.shipped import or_shipped
+from reliab.core.stated_value import require_physical
 from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_recording
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests

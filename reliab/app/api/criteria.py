@@ -31,17 +31,16 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import CurveName, Metric, Side
 from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_to_suite, protect_over_lengths
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.derivation import Derivation
+from reliab.criterion.derivation import Derivation, published_criterion
 from reliab.criterion.ellipse_table import drop_copies
 from reliab.criterion.experimental_share import compare_shares
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
-from reliab.criterion.published import published_criterion
 from reliab.motions.loading import load_motions
+from reliab.sweep.ellipse_table import measure_responses
+from reliab.sweep.labels import select_share, share_of, shares_of
 from reliab.sweep.netcdf import read_netcdf
-from reliab.sweep.response_measures import measure_responses
-from reliab.sweep.shares import select_share, share_of, shares_of
 from reliab.tracking.indices.window import Window
 
 POPULATION = "real_suite"

@@ -18,11 +18,10 @@ from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.derivation import Derivation
+from reliab.criterion.derivation import Derivation, exact_share
 from reliab.criterion.distributions import Lognormal
-from reliab.criterion.ellipse_sample import sample_of
 from reliab.criterion.ellipse_table import Ellipses, EllipseTable
-from reliab.criterion.published import exact_share
+from reliab.criterion.population import sample_of
 from reliab.criterion.scope import population_of
 from reliab.sweep.ellipse_dataset import open_ellipses
 
@@ -181,8 +180,8 @@ def compare_candidates(result: Criteria) -> dict[str, Any]:
 def _distributions(
     dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
 ) -> list[dict[str, Any]]:
-    from reliab.criterion.ellipse_sample import sample_of
-    from reliab.criterion.goodness_of_fit import lognormality
+    from reliab.criterion.cautions import lognormality
+    from reliab.criterion.population import sample_of
     from reliab.validation.comparison import compare_distributions
 
     sample = sample_of(
@@ -268,7 +267,7 @@ def _list_values(dataset: "xr.Dataset", name: str) -> str:
 
 
 def _plane(dataset: "xr.Dataset", criteria: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
-    from reliab.criterion.ellipse_sample import sample_of
+    from reliab.criterion.population import sample_of
     from reliab.report.figures.parameter_distributions import ellipses_and_criterion
     from reliab.report.style import VERMILION
 
@@ -335,7 +334,7 @@ def summarise(criterion: Criterion, frequency: float, damping_ratio: float) -> d
     `delay_limit_ms` and `lead_limit_ms` [ms], the largest amplitude error, lag and lead of a test that has no
     other error; the promise, and the data behind it; ready for JSON.
 
-    >>> from reliab.criterion.published import published_criterion
+    >>> from reliab.criterion.derivation import published_criterion
     >>> summary = summarise(published_criterion("guo_2017_12"), 1.0, 0.02)
     >>> round(summary["amplitude_limit"], 4), round(summary["delay_limit_ms"], 2)
     (0.0073, 1.02)

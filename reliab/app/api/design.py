@@ -14,10 +14,9 @@ from reliab.core.errors import InputError
 from reliab.core.plain_values import PlainResult, ResultWithRows
 from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, as_names
 from reliab.core.vocabulary import Metric
 from reliab.sweep.results import REAL
-from reliab.sweep.several import as_names
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from reliab.app.api.sources import EllipseSource, as_list
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
+from reliab.core.stated_value import Numbers
 from reliab.criterion.ellipse_table import drop_copies, interpolate_threshold
 from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, scope_of
 from reliab.motions.suite import MotionSuite
+from reliab.sweep.labels import select_share, share_of
 from reliab.sweep.results import REAL, find_results, open_results
-from reliab.sweep.several import Numbers
-from reliab.sweep.shares import select_share, share_of
 from reliab.tracking.indices.window import Window
-from reliab.validation.earthquakes import earthquakes_among
 from reliab.validation.folds import (
     Fold,
+    earthquakes_among,
     folds_of,
     from_another,
     leave_structures_out,

@@ -28,9 +28,8 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
-from reliab.core.physical_range import require_physical
 from reliab.core.plain_values import PlainResult
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, require_physical
 from reliab.core.vocabulary import Metric
 from reliab.in_loop.fmu import pack_fmu
 from reliab.in_loop.sources import LoopMonitor, monitor_sources

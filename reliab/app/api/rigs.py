@@ -39,8 +39,7 @@ from reliab.motions.loading import load_motions, read_motion
 from reliab.recordings.record import About
 from reliab.rig.memory import MEASURED_COVARIATES, NextTest
 from reliab.rig.prediction import Prediction, predict_next, predict_under_motion, predict_under_suite
-from reliab.rig.rig_folder import RigFolder
-from reliab.rig.rig_table import COLUMNS, RigTable, describe_test, require_date
+from reliab.rig.rig_folder import COLUMNS, RigFolder, RigTable, describe_test, require_date
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.tracking.boundary.first_order import first_order_ellipse

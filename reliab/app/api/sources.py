@@ -15,6 +15,7 @@ from reliab.app.declaration import Files, asks
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, show_task, silent
 from reliab.core.shipped import or_shipped
+from reliab.core.stated_value import Names, Numbers, as_names
 from reliab.core.vocabulary import SHARE_ATTRIBUTE, Metric, Side
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.experimental_share import carry_to_share
@@ -22,10 +23,9 @@ from reliab.motions.loading import load_motions
 from reliab.motions.suite import MotionSuite
 from reliab.sweep.ellipse_dataset import CURVES, open_ellipses
 from reliab.sweep.ellipse_table import EllipseRequest, predict_ellipses, trace_ellipses
-from reliab.sweep.plain import WHOLLY_EXPERIMENTAL, Motions, one_of, structure_grid, suite_of
+from reliab.sweep.labels import concatenate_shares, select_share, shares_of
+from reliab.sweep.request import WHOLLY_EXPERIMENTAL, Motions, one_of, structure_grid, suite_of
 from reliab.sweep.results import REAL, find_results, open_results
-from reliab.sweep.several import Names, Numbers, as_names
-from reliab.sweep.shares import concatenate_shares, select_share, shares_of
 from reliab.tracking.boundary.curves import Curve
 from reliab.tracking.indices.window import Window
 

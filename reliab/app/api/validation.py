@@ -32,7 +32,7 @@ from reliab.core.vocabulary import Metric, Side
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.scope import population_of
-from reliab.sweep.shares import share_of
+from reliab.sweep.labels import share_of
 from reliab.validation.counts import RATES, CrossValidation, tabulate
 from reliab.validation.folds import GROUP_SCHEMES
 from reliab.validation.judge import (
@@ -40,8 +40,8 @@ from reliab.validation.judge import (
     DerivedCandidate,
     PrintedCandidate,
     cross_validate,
+    probability_calibration,
 )
-from reliab.validation.probability_calibration import probability_calibration
 
 _CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
 _TRIALS = 512

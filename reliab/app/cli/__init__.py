@@ -4,27 +4,36 @@ Only the command that is asked is imported, and at its top only Typer; numerics,
 are imported when it needs them, so that it answers at once.
 """
 
+import contextlib
 import logging
 import os
+import signal
 import sys
+import threading
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from _thread import interrupt_main
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from typing import Annotated, Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from reliab.app.cli.commands import Command, Group, as_options
-from reliab.app.cli.defaults import read_defaults, remove_config
-from reliab.app.cli.interruption import interruption, notice_interruption
+from reliab.app.cli.commands import OUTPUT_OPTIONS, Command, Group, as_options
 from reliab.app.cli.output import replace_unwritable_characters
 from reliab.app.cli.printable import printable, substitute_characters
 from reliab.app.declaration import UNITS, remove_units
+from reliab.core.described_files import read_toml
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD
 from reliab.version import __version__
+
+if TYPE_CHECKING:
+    from types import FrameType
+
 
 _BAD_INPUT = 2
 _HELP = {"--help", "--help-all"}
@@ -66,15 +75,205 @@ _COMMANDS: Final[Mapping[str, Mapping[str, str | None]]] = {
 EXAMPLES: Final = {name: text for commands in _COMMANDS.values() for name, text in commands.items() if text}
 _PANEL_OF = {name: panel for panel, commands in _COMMANDS.items() for name in commands}
 _MODULES = {
-    **dict.fromkeys(("fetch", "samples", "info"), "reliab.app.cli.installation"),
-    **dict.fromkeys(("run", "report"), "reliab.app.cli.studies"),
+    **dict.fromkeys(("run", "report", "samples", "fetch", "info"), "reliab.app.cli.studies"),
     **dict.fromkeys(("compare", "extrapolate"), "reliab.app.cli.assess"),
+    **dict.fromkeys(("design", "explore"), "reliab.app.cli.criterion"),
+    **dict.fromkeys(("simulate", "ellipses"), "reliab.app.cli.motions"),
     "calibrate": "reliab.app.cli.record",
-    "ellipses": "reliab.app.cli.simulate",
-    "explore": "reliab.app.cli.design",
     "desk": "reliab.desk.command",
 }
 """Modules of commands that share one or stand in a folder; the others have one of their name."""
+
+DEFAULTS_FILE: Final = "reliab.toml"
+"""Name of the file in the user's configuration folder."""
+
+CONFIG_VARIABLE: Final = "RELIAB_CONFIG"
+"""Environment variable that names another file."""
+
+CONFIG_OPTION: Final = "--config"
+"""Option of the program that names another file; it may stand anywhere on the command line."""
+
+COMMAND_LINE_ONLY: Final = frozenset(
+    (
+        *OUTPUT_OPTIONS,
+        *("figures", "chains", "export", "tests"),  # written, too
+        *("check", "threshold", "confidence", "metric", "criterion", "exact"),  # what judges a test
+    )
+)
+"""Options that no file of defaults may state."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defaults:
+    """Defaults of commands."""
+
+    path: Path | None = None  # Their file; None where there is none
+    values: dict[str, dict[str, Any]] = field(default_factory=dict)  # By command and name of the parameter
+
+    def sentences(self, arguments: Sequence[str]) -> Iterator[str]:
+        """Name the file from which a command line takes defaults, and one of this folder that is not read."""
+        if arguments and self.values.get(arguments[0]):
+            yield f"Defaults of {arguments[0]} from {self.path}."
+        if self.path is None and Path(DEFAULTS_FILE).is_file():
+            named = f"{CONFIG_OPTION} {DEFAULTS_FILE}"
+            yield f"{DEFAULTS_FILE} of this folder is not read. If it is yours, name it: {named}."
+
+
+def user_file() -> Path:
+    """Place of the file in the user's configuration folder."""
+    return Path(typer.get_app_dir("reliab")) / DEFAULTS_FILE
+
+
+def remove_config(arguments: Sequence[str]) -> tuple[list[str], str | None]:
+    """Take the option that names the file of defaults from a command line; return its value too.
+
+    >>> remove_config(["assess", "--config", "lab.toml", "test.csv"])
+    (['assess', 'test.csv'], 'lab.toml')
+    """
+    remaining, config = [], None
+    iterator = iter(arguments)
+    for argument in iterator:
+        name, equals, value = argument.partition("=")
+        if name != CONFIG_OPTION:
+            remaining.append(argument)
+            continue
+        config = value if equals else next(iterator, "")
+        if not config:
+            raise InputError(f"{CONFIG_OPTION} needs a file", remedy="Name it")
+    return remaining, config
+
+
+def read_defaults(commands: Callable[[], Any], config: str | None = None) -> Defaults:
+    """Read a laboratory's defaults, which may be of any of the commands that are made where there are some.
+
+    `named`: the file that the command line names; by default that of the environment or of the user's folder.
+    """
+    config_path = config or os.environ.get(CONFIG_VARIABLE)
+    path = Path(config_path) if config_path else user_file()
+    if not config_path and not path.is_file():
+        return Defaults()
+    content = read_toml(
+        path,
+        rule="The file of defaults must be readable TOML",
+        remedy="Correct it, or name another"
+        if config
+        else f"Correct it, or name another with {CONFIG_OPTION}",
+    )
+    group = commands()
+    return Defaults(
+        path=path,
+        values={name: _defaults_of_command(name, table, group, path) for name, table in content.items()},
+    )
+
+
+def _defaults_of_command(name: str, table: object, group: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401
+    """Values of one command by the names of its parameters."""
+    commands = {key: item for key, item in group.commands.items() if not hasattr(item, "commands")}
+    if name not in commands or not isinstance(table, dict):
+        raise InputError(
+            "Not a table of a command",
+            value=f"[{name}]" if isinstance(table, dict) else name,
+            remedy=f"Choose among {', '.join(sorted(commands))}",
+            where=str(path),
+        )
+    options = {
+        flag.lstrip("-"): option
+        for option in commands[name].params
+        for flag in option.opts
+        if flag.startswith("--") and flag != "--help"
+    }
+    allowed_names = sorted(key for key, option in options.items() if option.name not in COMMAND_LINE_ONLY)
+    for key in table:
+        if key in options and key not in allowed_names:
+            raise InputError(
+                "Outputs, and what decides a verdict, cannot be defaults",
+                value=f"{key} of [{name}]",
+                remedy=f"Remove it from the file, and give --{key} on the command line",
+                where=str(path),
+            )
+        if key not in options:
+            raise InputError(
+                f"{name} has no such option",
+                value=key,
+                remedy=f"Choose among {', '.join(allowed_names)}",
+                where=str(path),
+            )
+    return {str(options[key].name): _as_stated(value, options[key], path) for key, value in table.items()}
+
+
+def _as_stated(value: object, option: Any, path: Path) -> object:  # noqa: ANN401 - Click's parameter
+    """Give an option that may be repeated its list; take a file from the folder of the file of defaults."""
+    if option.type_descriptor.annotation is Path and isinstance(value, str) and Path(value).suffix:
+        value = str(path.parent / value)  # what has no ending is a name that ships
+    return [value] if option.multiple and not isinstance(value, list) else value
+
+
+_GOES_ON: Final = {
+    "simulate": ("--out", "The motions that are finished are kept; go on with --resume."),
+    "run": ("", "The stages that are finished are kept; the same command goes on from them."),
+    "criterion": ("--chains", "The chains are kept; the same command goes on with them."),
+    "diagnose": ("--out", "The chains are kept; the same command goes on with them."),
+}
+"""By command the option that must have been given, and what goes on then."""
+
+_REPEAT_DELAY = 0.2  # s after which a Ctrl-C that got lost is repeated
+_NOTHING_HALF = "No file is half written; run the command again."
+
+
+def interruption(arguments: Sequence[str]) -> str:
+    """Say what Ctrl-C has left.
+
+    >>> interruption(["simulate", "--out", "results.zarr"])
+    'Interrupted. The motions that are finished are kept; go on with --resume.'
+    >>> interruption(["explore"])
+    'Interrupted. No file is half written; run the command again.'
+    """
+    command = arguments[0] if arguments else ""
+    option, kept_work = _GOES_ON.get(command, ("", ""))
+    is_given = any(argument.partition("=")[0] == option for argument in arguments)
+    return f"Interrupted. {kept_work if kept_work and (is_given or not option) else _NOTHING_HALF}"
+
+
+@contextlib.contextmanager
+def notice_interruption() -> Iterator[None]:
+    """Notice Ctrl-C while a command runs, also where a library loses it or makes another error of it.
+
+    Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
+    for a reason of their own. A Ctrl-C that was lost is repeated.
+    """
+    ctrl_c = threading.Event()
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    if not is_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+
+    def press(number: int, frame: "FrameType | None") -> None:
+        ctrl_c.set()
+        signal.default_int_handler(number, frame)
+
+    previous_hook = sys.unraisablehook
+    repetitions: list[threading.Timer] = []
+
+    def repeat_interruption(error: "sys.UnraisableHookArgs") -> None:
+        if issubclass(error.exc_type, KeyboardInterrupt):
+            repetitions.append(threading.Timer(_REPEAT_DELAY, interrupt_main))
+            repetitions[-1].start()
+        else:
+            previous_hook(error)
+
+    signal.signal(signal.SIGINT, press)
+    sys.unraisablehook = repeat_interruption
+    try:
+        yield
+    except Exception:
+        if ctrl_c.is_set():
+            raise SystemExit(INTERRUPTED) from None
+        raise
+    finally:
+        for repetition in repetitions:
+            repetition.cancel()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        sys.unraisablehook = previous_hook
 
 
 def _show_version(is_asked: bool) -> None:  # noqa: FBT001 - Typer's callback

@@ -19,8 +19,7 @@ from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_
 from reliab.app.options import HELP, PANELS, Json
 from reliab.core.errors import InputError
 from reliab.core.progress import shows_tasks
-from reliab.core.stated_value import percentage_as_number
-from reliab.sweep.several import Names, Numbers
+from reliab.core.stated_value import Names, Numbers, percentage_as_number
 
 if TYPE_CHECKING:
     from reliab.report.setting import ReportSetting

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from reliab.app import completion, options
+from reliab.app import declaration, options
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, say_briefly, write_json
 from reliab.app.declaration import argument, group
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class _Campaign(options.Folder, options.Cover, options.Details, total=False):
     """Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab."""
 
-    campaign: Annotated[Path, argument("CAMPAIGN_DIR", completion=completion.campaigns)]
+    campaign: Annotated[Path, argument("CAMPAIGN_DIR", completion=declaration.campaigns)]
 
 
 @takes(_Campaign, needs=dict.fromkeys(options.Cover.__annotations__, "out"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 
 import typer
 
-from reliab.app import completion, options, questions
+from reliab.app import declaration, options, questions
 from reliab.app.api.arguments import STATED_BY_MODEL
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
@@ -37,7 +37,7 @@ class _MonitorArguments(options.Check, total=False):
     export: Write the monitor for the loop, as C or as an FMU of FMI 2.0 or 3.0; needs `rate`.
     """
 
-    source: Annotated[str | None, argument("FILE|-", default=None, completion=completion.samples)]
+    source: Annotated[str | None, argument("FILE|-", default=None, completion=declaration.samples)]
     export: Annotated[tuple[str, str] | None, OUTPUT.advanced("c DIR|fmu FILE|fmu3 FILE")]
 
 

@@ -1,5 +1,6 @@
-"""``reliab motions``: list, check, import and synthesize ground motions."""
+"""`reliab motions`, `simulate` and `ellipses`: ground motions, their simulation, their boundaries."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,10 +12,12 @@ from reliab.app import questions
 from reliab.app.cli.commands import Command, Group, Request, takes
 from reliab.app.cli.output import say, show_rows, show_table
 from reliab.core.significant_digits import counted
+from reliab.core.vocabulary import ERROR_NAMES, Metric
 
 if TYPE_CHECKING:
-    from reliab.app.api.motions import WrittenSuite
+    from reliab.app.api.simulation import Boundaries, WrittenSuite
     from reliab.motions.faults import MotionFault
+
 
 app = typer.Typer(cls=Group, no_args_is_help=True, help="Ground motions: list, check, import and synthesize.")
 
@@ -23,7 +26,7 @@ app = typer.Typer(cls=Group, no_args_is_help=True, help="Ground motions: list, c
 @takes(questions.MotionQuestion, questions.MotionSources)
 def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
-    from reliab.app.api.motions import MotionList, list_motions as api_list_motions
+    from reliab.app.api.simulation import MotionList, list_motions as api_list_motions
 
     def show(result: MotionList) -> None:
         events = {row["event"] for row in result.rows}
@@ -43,7 +46,7 @@ def list_motions(request: Request) -> None:
 @takes(questions.MotionQuestion, questions.MotionSources)
 def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
-    from reliab.app.api.motions import MotionCheck, check_motions
+    from reliab.app.api.simulation import MotionCheck, check_motions
 
     def show(result: MotionCheck) -> None:
         faults = [replace(fault, remedy=request.write_as_options(fault.remedy)) for fault in result.faults]
@@ -58,7 +61,7 @@ def check(request: Request) -> None:
 @takes(questions.MotionImportQuestion, questions.MotionSources, questions.NewSuite)
 def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
-    from reliab.app.api.motions import import_motions as api_import_motions
+    from reliab.app.api.simulation import import_motions as api_import_motions
 
     request.answer(api_import_motions, _show_written)
 
@@ -67,7 +70,7 @@ def import_motions(request: Request) -> None:
 @takes(questions.SyntheticSuiteQuestion, questions.NewSuite)
 def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
-    from reliab.app.api.motions import synthesize_motions
+    from reliab.app.api.simulation import synthesize_motions
 
     request.answer(synthesize_motions, _show_written)
 
@@ -107,3 +110,41 @@ def _path_within_sources(file: str, sources: Sequence[str]) -> str:
     return next(
         (file[len(start) :] for source in sources if file.startswith(start := f"{Path(source)}/")), file
     )
+
+
+@takes(questions.SimulationQuestion, questions.NewStore)
+def simulate(request: Request) -> None:
+    """Simulate motions for all structures and actuators and store the results.
+
+    With --model the structure and the effects are the model's, and gain, delay and the index (A, d) of the
+    results are those of its actuator alone.
+    """
+    from reliab.app.api.simulation import Simulation, simulate_suite
+
+    def show(simulation: Simulation) -> None:
+        structures = counted(len(simulation.request.structures), "structure")
+        say(f"{counted(simulation.motions, 'motion')} × {structures} stored in {simulation.store}")
+
+    request.answer(simulate_suite, show)
+
+
+_PAGE = 1000  # rows
+
+
+@takes(questions.TracingQuestion)
+def ellipses(request: Request) -> None:
+    """Trace the boundary of equal error of each motion, for late and early actuators, as ellipses."""
+    from reliab.app.api.simulation import trace_boundaries
+
+    metric = request.metric or Metric.RMS
+    request.answer(trace_boundaries, lambda ellipses: _show_boundaries(ellipses, metric))
+
+
+def _show_boundaries(ellipses: "Boundaries", metric: str) -> None:
+    """Print one row for each boundary, page by page: a single table of very many would fill the memory."""
+    title = f"{len(ellipses)} boundaries of the {ERROR_NAMES[Metric(metric)]}"
+    rows = ellipses.rows()
+    while page := list(itertools.islice(rows, _PAGE)):
+        show_rows(title, ellipses.table_columns, page)
+        title = ""
+    say(*(f"Note: {warning}" for warning in ellipses.warnings))

@@ -13,8 +13,8 @@ from reliab.app.options import OUTPUT, TEST
 from reliab.core.columns import Columns
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import decimals_of_uncertainty, significant
+from reliab.core.stated_value import Names
 from reliab.core.vocabulary import MILLI
-from reliab.sweep.several import Names
 
 if TYPE_CHECKING:
     from reliab.app.api.records import Record

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from reliab.core.described_files import parse_toml, read_toml
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import MILLI
 
 if TYPE_CHECKING:

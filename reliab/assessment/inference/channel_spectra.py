@@ -9,8 +9,8 @@ import scipy
 from reliab.assessment.inference.band import AnalysisBand, highest_frequency
 from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.core.arrays import Array, Spectrum
-from reliab.signals.lapped_transform import analyse, synthesise
 from reliab.signals.noise import converter_step
+from reliab.signals.spectra import analyse, synthesise
 from reliab.structures.partition import Partition
 
 _BLOCK = 1.0  # periods of the structure in a hop of the lapped transform

@@ -14,8 +14,7 @@ import scipy
 from reliab.assessment.budget.sizes import Equipment, PriorSource, exact_equipment
 from reliab.assessment.inference.experiment import Experiment
 from reliab.core.arrays import Spectrum
-from reliab.core.physical_range import require_physical
-from reliab.core.stated_value import StatedValue
+from reliab.core.stated_value import StatedValue, require_physical
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.structures.partition import Partition
 

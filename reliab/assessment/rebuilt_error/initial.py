@@ -20,8 +20,8 @@ import numpy as np
 from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
 from reliab.core.significant_digits import significant
+from reliab.core.stated_value import require_physical
 from reliab.structures.partition import Partition
 
 _REST_SHARE = 1e-3  # share of the largest displacement up to which the first motion counts as rest

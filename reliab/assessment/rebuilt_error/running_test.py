@@ -23,7 +23,7 @@ from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 from reliab.core.vocabulary import Metric
 from reliab.recordings.recording import LARGEST_READING
 from reliab.structures.partition import Partition

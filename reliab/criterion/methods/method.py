@@ -13,8 +13,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.vocabulary import CurveName
-from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.population import SampleGrid
+from reliab.criterion.population import EllipseSample, SampleGrid
 from reliab.sampling.posterior_sample import PosteriorSample
 
 

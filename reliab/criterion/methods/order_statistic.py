@@ -8,8 +8,8 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
-from reliab.criterion.event_components import event_components
 from reliab.criterion.methods.method import AssuredBound
+from reliab.criterion.motion_predictive import event_components
 
 
 @dataclass(frozen=True, kw_only=True)

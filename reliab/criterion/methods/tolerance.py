@@ -8,8 +8,8 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
-from reliab.criterion.event_components import SumsOfSquares
 from reliab.criterion.methods.method import AssuredBound
+from reliab.criterion.motion_predictive import SumsOfSquares
 
 
 def tolerance_factor(n: int, proportion: float, assurance: float) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reliab.core.physical_range import RANGES
+from reliab.core.stated_value import RANGES
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale

@@ -25,10 +25,10 @@ from reliab.effects.registry import library
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.signals.wiener import harmonics_up_to, reliable_frequency, velocity_spread
+from reliab.signals.noise import harmonics_up_to, reliable_frequency, velocity_spread
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_displacement, read_force
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from reliab.core.errors import InputError
 from reliab.core.plain_values import Keys, ResultWithRows, plot_histories
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
+from reliab.structures.frame import Specimen
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:

@@ -34,8 +34,8 @@ from pydantic import Discriminator, Field, Tag, ValidationError
 
 from reliab.core.described_files import faults_in_words, keys_of, parse_toml, read_description
 from reliab.core.errors import InputError
-from reliab.core.physical_range import Physical
 from reliab.core.shipped import is_own_data, shipped
+from reliab.core.stated_value import Physical
 from reliab.core.untrusted_files import resolve_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, read_declarations

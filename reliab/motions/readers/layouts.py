@@ -19,8 +19,7 @@ import numpy as np
 
 from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
-from reliab.motions.readers.samples import split_line
-from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement
+from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement, split_line
 from reliab.motions.readers.statements import state_time_step
 from reliab.motions.units import AccelerationUnit, ClockUnit
 

@@ -9,14 +9,17 @@ from reliab.core.text_tables import last_place, missing_mark
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
-from reliab.motions.readers.samples import (
+from reliab.motions.readers.source import (
+    RecordHeader,
+    RecordText,
+    Statement,
     count_rows,
     line_of_sample,
+    may_round,
     parse_samples,
     separate_numbers,
     split_line,
 )
-from reliab.motions.readers.source import RecordHeader, RecordText, Statement, may_round
 from reliab.motions.units import AccelerationUnit
 
 

@@ -26,14 +26,19 @@ from reliab.core.text_tables import parse_number
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
 from reliab.motions.readers.layouts import PLAIN, Layout
-from reliab.motions.readers.samples import (
+from reliab.motions.readers.source import (
+    HEAD,
+    RecordHeader,
+    RecordLine,
+    RecordText,
+    Statement,
     clocks_in_seconds,
     count_rows,
     find_delimiter,
+    may_round,
     separate_numbers,
     split_line,
 )
-from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement, may_round
 from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE

@@ -21,7 +21,7 @@ import scipy
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import VALID_RANGES, Mechanism, Scenario
-from reliab.motions.synthetic.random_stream import RandomStream
+from reliab.motions.synthetic.recording import RandomStream
 
 # slip type: a, b, s
 _TABLE_2A: Final = {

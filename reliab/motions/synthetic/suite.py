@@ -25,8 +25,13 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
     regression_of,
 )
 from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake, draw_scenario, is_strong
-from reliab.motions.synthetic.random_stream import RandomStream
-from reliab.motions.synthetic.recording import TIME_STEP, rotate, simulate_recording, trim_quiet_ends
+from reliab.motions.synthetic.recording import (
+    TIME_STEP,
+    RandomStream,
+    rotate,
+    simulate_recording,
+    trim_quiet_ends,
+)
 
 _Result = TypeVar("_Result")
 

@@ -10,10 +10,9 @@ import scipy
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import counted
 from reliab.core.untrusted_files import lists_of_scales, objects_of, open_hdf5
-from reliab.recordings.readers.attributes import plain, series_of
-from reliab.recordings.readers.columns import Columns, Series
+from reliab.recordings.readers.columns import Columns, Series, plain, series_of
 from reliab.recordings.readers.layouts import Tree, tests_of_tree
-from reliab.recordings.readers.objects import tree_of_objects
+from reliab.recordings.readers.matlab import tree_of_objects
 from reliab.recordings.recording import require_few_samples
 
 if TYPE_CHECKING:

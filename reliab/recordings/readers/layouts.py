@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
 from reliab.recordings.naming import describe
-from reliab.recordings.readers.attributes import add_clock, apply_attributes, series_of
-from reliab.recordings.readers.columns import Columns, Series
+from reliab.recordings.readers.columns import Columns, Series, add_clock, apply_attributes, series_of
 from reliab.recordings.recording import require_few_samples
 from reliab.recordings.words import Measurand
 

@@ -10,8 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.core.errors import InputError
-from reliab.recordings.readers.attributes import series_of
-from reliab.recordings.readers.columns import Columns, Series, seconds, start_of
+from reliab.recordings.readers.columns import Columns, Series, seconds, series_of, start_of
 from reliab.recordings.readers.layouts import MOST_COLUMNS, Tree, tests_of_tree
 from reliab.recordings.recording import require_few_samples
 

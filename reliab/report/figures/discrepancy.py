@@ -15,7 +15,6 @@ from scipy.stats import binned_statistic_2d
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import MILLI, PERCENT, Block
-from reliab.report.axes import TIME, legend_below, name_axes, plain
 from reliab.report.numbers import Significant, write_in_line
 from reliab.report.style import (
     BLUE,
@@ -23,11 +22,15 @@ from reliab.report.style import (
     INK,
     PALE,
     SEQUENTIAL,
+    TIME,
     VERMILION,
     apply_style,
     blank,
+    legend_below,
     letters,
+    name_axes,
     panels,
+    plain,
 )
 
 _PANEL_HEIGHT, _MARGIN = 37.0, 12.0

@@ -13,29 +13,20 @@ from numpy.typing import NDArray
 
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import PERCENT
+from reliab.criterion.cautions import QuantilePlot, quantile_plot
 from reliab.criterion.distributions import Distribution, Lognormal
-from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.goodness_of_fit import QuantilePlot, quantile_plot
 from reliab.criterion.motion_predictive import MotionPredictive
-from reliab.report.axes import (
+from reliab.criterion.population import EllipseSample
+from reliab.report.style import (
     A_PARAMETER,
     AMPLITUDE,
     B_PARAMETER,
+    BLUE,
     DAMPING_RATIO,
     DELAY,
     DENSITY_A,
     DENSITY_B,
     FREQUENCY,
-    ellipse_line,
-    label_logarithmic,
-    legend_below,
-    mark,
-    name_axes,
-    plain,
-    scientific,
-)
-from reliab.report.style import (
-    BLUE,
     GREEN,
     GREY,
     INK,
@@ -43,9 +34,16 @@ from reliab.report.style import (
     VERMILION,
     apply_style,
     blank,
+    ellipse_line,
+    label_logarithmic,
+    legend_below,
     letters,
     line,
+    mark,
+    name_axes,
     panels,
+    plain,
+    scientific,
 )
 from reliab.sampling.normal_inverse_chi_squared import NormalInverseChiSquared
 from reliab.sampling.posterior_sample import PosteriorSample, walkers_in_turn

@@ -51,6 +51,6 @@ def next_step(comparison: Comparison) -> str:
 
 
 def _figure(comparison: Comparison) -> Figure:
-    from reliab.report.figures.tests_by_error import draw_ranked_tests
+    from reliab.report.figures.measured_test import draw_ranked_tests
 
     return Figure(drawing=draw_ranked_tests(comparison), caption="Errors with their 90 % intervals.")

@@ -25,8 +25,7 @@ from reliab.report.figures.discrepancy import (
     discrepancy_state_plane,
     discrepancy_time_frequency,
 )
-from reliab.report.prose import prose
-from reliab.report.wording import spell_out
+from reliab.report.prose import prose, spell_out
 
 _STRETCHES, _SHORTEST_STRETCH = 5, 4.0  # of a test; s
 _UNITS = {

@@ -8,8 +8,7 @@ from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.gap import Gap, Remainder
 from reliab.report.numbers import Significant, write_in_line
-from reliab.report.prose import Prose, prose, words_of
-from reliab.report.wording import probability, spell_out
+from reliab.report.prose import Prose, probability, prose, spell_out, words_of
 
 SIZE: Final = Significant(digits=3, factor=PERCENT)
 """How sizes of errors stand in tables and sentences."""

@@ -16,7 +16,7 @@ from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
-from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table
+from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table, provenance_of
 from reliab.report.kinds.discrepancy_outcome import (
     SIZE,
     advise_next_step,
@@ -25,9 +25,7 @@ from reliab.report.kinds.discrepancy_outcome import (
     write_share_of_signal,
 )
 from reliab.report.numbers import Fixed
-from reliab.report.prose import Math, Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.wording import number, probability, spell_out
+from reliab.report.prose import Math, Prose, number, probability, prose, spell_out
 
 _SHARE = Fixed(decimals=1, factor=PERCENT)
 

@@ -13,14 +13,22 @@ from reliab.assessment.verdict import probability_text
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.axes import legend_below
-from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
+from reliab.report.document import (
+    Block,
+    Document,
+    Figure,
+    Paragraph,
+    Points,
+    Section,
+    Table,
+    provenance_of,
+    text_table,
+)
 from reliab.report.numbers import Significant, write_in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import provenance_of
-from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, apply_style, letters, panels
+from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, apply_style, legend_below, letters, panels
 from reliab.rig.prediction import Prediction
-from reliab.rig.rig_table import RigTable
+from reliab.rig.rig_folder import RigTable
 from reliab.rig.watching import FALSE_ALARMS, DriftChart, drift_chart, read_effects, watch
 from reliab.structures.structure import Structure
 

@@ -101,9 +101,8 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_tables import FrameDescription, read_matrices
-from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import TolerancesTable
-from reliab.simulation.frames.transfer_table import rig_of_table
+from reliab.simulation.frames.transfer_table import PlanarGeometry, rig_of_table
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferSystem, invertible
 from reliab.structures.frame import square_matrix
 from reliab.structures.partition import Partition

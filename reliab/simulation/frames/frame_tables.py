@@ -11,16 +11,17 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS
-from reliab.core.physical_range import Physical
+from reliab.core.stated_value import Physical
 from reliab.core.untrusted_files import resolve_within
 from reliab.effects.effect import Effect
 from reliab.effects.registry import find_effect
-from reliab.simulation.frames.planar_geometry import PlanarGeometry
 from reliab.simulation.frames.tolerances_table import DescribedTable, TolerancesTable, require
-from reliab.simulation.frames.transfer_table import TransferTable
+from reliab.simulation.frames.transfer_table import PlanarGeometry, TransferTable
 from reliab.structures.frame import (
     Frame,
     condense_statically,
+    drift_interface,
+    floor_interface,
     massless,
     modal_damping,
     place_of,
@@ -28,7 +29,6 @@ from reliab.structures.frame import (
     static_shapes,
 )
 from reliab.structures.planar_frame import PlanarFrame, shear_frame
-from reliab.structures.specimen import drift_interface, floor_interface
 
 Row = tuple[float, ...]
 

@@ -25,8 +25,15 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
 from reliab.core.errors import InputError
-from reliab.simulation.deviation import LATEST, TRACKS, Deviation, follow, peak_of_history, summary
-from reliab.simulation.excitation import Excitation
+from reliab.simulation.excitation import (
+    LATEST,
+    TRACKS,
+    Deviation,
+    Excitation,
+    follow,
+    peak_of_history,
+    summary,
+)
 from reliab.simulation.linear_loop.blocks import ramp_weights
 from reliab.structures.critical_delay import stability_limit
 from reliab.structures.frame import reference_response

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.core.physical_range import Physical
+from reliab.core.stated_value import Physical
 from reliab.structures.parts_of_structure import least_of, name_of_entries
 
 _FAR = 3.0  # standard deviations that an entry may be off

@@ -4,11 +4,11 @@ from dataclasses import dataclass, field, replace
 from typing import Self
 
 from reliab.core.errors import InputError
-from reliab.core.physical_range import require_physical
+from reliab.core.stated_value import require_physical
 from reliab.effects.effect import Effect, Role, Setting
 from reliab.effects.registry import library
 from reliab.simulation.integrators import LinearSubstructure
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 

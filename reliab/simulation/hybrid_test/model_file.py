@@ -14,11 +14,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from reliab.core.described_files import read_toml, validate_description
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
-from reliab.core.physical_range import Physical, require_physical
+from reliab.core.stated_value import Physical, require_physical
 from reliab.effects.effect import Effect, Parameter
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 

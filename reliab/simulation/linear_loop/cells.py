@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.simulation.linear_loop.blocks import block_length
-from reliab.simulation.linear_loop.dominant_pole import (
+from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells, shared_drives
+from reliab.simulation.linear_loop.pole_plane import Expansion, expansions, pole_basis
+from reliab.simulation.linear_loop.pole_recursion import (
+    BlockRecursion,
     LeadingLoop,
     ModalLoop,
     leading_loop,
     modal_loop,
+    recursions,
     reduction_loss,
 )
-from reliab.simulation.linear_loop.drive_stepping import DrivenCells, driven_cells
-from reliab.simulation.linear_loop.pole_plane import Expansion, expansions, pole_basis
-from reliab.simulation.linear_loop.pole_recursion import BlockRecursion, recursions
-from reliab.simulation.linear_loop.shared_drives import shared_drives
 from reliab.structures.structure import Structure, critical_delay, refuse_long_leads
 
 REDUCTION_TOLERANCE = 3e-5

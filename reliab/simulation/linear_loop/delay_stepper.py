@@ -15,7 +15,7 @@ import numpy as np
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
-from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, summary
+from reliab.simulation.excitation import LATEST, TRACKS, Deviation, end_weight, follow, summary
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
 from reliab.structures.structure import Structure
 

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
-from reliab.simulation.linear_loop.dominant_pole import (
+from reliab.simulation.linear_loop.pole_recursion import (
+    BLOCK_COLUMNS,
     LeadingLoop,
     ModalLoop,
     comparison_frequencies,
     dominant_pole,
+    leading_recursion,
     modal_loop,
+    pair_recursion,
 )
-from reliab.simulation.linear_loop.pole_recursion import BLOCK_COLUMNS, leading_recursion, pair_recursion
 from reliab.structures.structure import Structure
 
 FARTHEST, _REGION = 0.5, 0.4

@@ -1,4 +1,31 @@
-"""The recursion of engine `pole`: two pole pairs, exact for a record that is linear in each block.
+"""The loop reduced to a dominant and a fast pole pair, and the recursion of engine `pole` through them.
+
+A loop with a short delay is a second-order system: of the infinitely many poles of::
+
+    Q(s) = s² + 2ξω₀s + (1−α)ω₀² + αk_pω₀²e^(−sτ)
+
+one lightly damped pair carries the response, and the others, about 1/τ fast and heavily damped,
+nearly follow the ground acceleration. The transfer function from −a_g is therefore split as::
+
+    k_p e^(−sτ)/Q(s) = r/(s − p) + r̄/(s − p̄) + (n₀ + n₁s)/(1 + m₁s + m₂s²) + O(s⁴τ⁶)
+
+with the residue r = k_p e^(−pτ)/Q'(p). The last term is the Padé approximant of what the pair
+leaves; for short delays that is k_p(e^(−sτ) − 1 + sτ)/s² times a constant near one. It vanishes for
+τ = 0, where the pair is the whole loop.
+
+Compensation that overshoots makes the actuator early: x_m(t) = k_p x_c(t + T). The loop then is an equation
+with advanced argument, which cannot be marched forward; what a test shows is its bounded solution. Its
+transfer function from −a_g to the measured displacement, ::
+
+    k_p e^(sT)/Q(s),   Q(s) = s² + 2ξω₀s + (1−α)ω₀² + αk_pω₀²e^(sT)
+
+has one pole pair p, p̄ left of the imaginary axis and, for leads below `longest_lead`, all others far to
+the right of it, at about 5/T or more. The command is therefore the response of the pair plus a direct term
+for the other poles, which look ahead by less than T::
+
+    1/Q(s) = r/(s − p) + r̄/(s − p̄) + c + O(sT³/1000),   r = 1/Q'(p),   c of the order of T²/200
+
+and the measured displacement is k_p times the command, shifted ahead by T.
 
 A mode z' = pz + a_g is exact over a block of length H with E = e^(pH) and, for a record that goes
 from a₀ to a₁ in the block, ::
@@ -18,16 +45,226 @@ replaces the fast pair. The exact response is read that number of blocks earlier
 """
 
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
-from reliab.simulation.deviation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
+from reliab.simulation.excitation import LATEST, TRACKS, Deviation, end_weight, follow, follow_four, summary
 from reliab.simulation.linear_loop.blocks import Blocks, ramp_weights
-from reliab.simulation.linear_loop.dominant_pole import LeadingLoop, ModalLoop
+from reliab.structures.structure import Structure
+
+_NEWTON_STEPS = 60
+_CONVERGENCE_TOLERANCE = 1e-14
+_MOMENTS = 4
+_SHORT = 0.02  # ω₀τ below which the shape of the rest is that of a vanishing delay
+_NO_DEVIATION = 1e-9  # of the response; below it an actuator counts as perfect
+# Reduced and exact loop are compared at these multiples of the natural frequency.
+_COMPARISON_FREQUENCIES = np.geomspace(0.1, 40.0, 61)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalLoop:
+    """Two pole pairs with their residues, one entry per cell."""
+
+    # pole, residue: Dominant pole p [1/s] and residue r [s] of the response to −a_g, complex, shape (cells,);
+    # their conjugates belong to them. The residue is zero where the loop does not oscillate
+    pole: Spectrum
+    residue: Spectrum
+    # fast_poles, fast_residues: Poles [1/s] and residues [s] of the fast pair, complex, shape (2, cells); the
+    # residues are zero where there is no delay
+    fast_poles: Spectrum
+    fast_residues: Spectrum
+
+    def transfer(self, s: Spectrum) -> Spectrum:
+        """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
+        slow = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        return np.asarray(slow + self.fast_transfer(s))
+
+    def fast_transfer(self, s: Spectrum) -> Spectrum:
+        """Part of the fast pair in the transfer function [s²]."""
+        (p, q), (u, v) = self.fast_poles, self.fast_residues
+        return np.asarray(u / (s - p) + v / (s - q))
+
+
+class DominantPoleLoop(Protocol):
+    """A reduced loop that approximates the exact one."""
+
+    def transfer(self, s: Spectrum) -> Spectrum:
+        """Transfer function from −a_g [s²]."""
+
+
+def dominant_pole(structure: Structure, gain: Array, delay: Array) -> Spectrum:
+    """Pole of the loop that grows out of the undelayed structure's own pole.
+
+    Returns the pole with positive imaginary part [1/s], shape (cells,); NaN where Newton's iteration does not
+    converge (delays of the order of the period, which the modal reduction refuses).
+    """
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    loop_gain = alpha * gain * w0**2
+    stiffness = (1.0 - alpha) * w0**2 + loop_gain
+    pole = -xi * w0 + 0.5 * loop_gain * delay + 1j * np.sqrt(stiffness)
+    for _ in range(_NEWTON_STEPS):
+        delayed_gain = loop_gain * np.exp(-pole * delay)
+        value = pole**2 + 2.0 * xi * w0 * pole + (1.0 - alpha) * w0**2 + delayed_gain
+        slope = 2.0 * pole + 2.0 * xi * w0 - delay * delayed_gain
+        step = value / slope
+        pole = pole - step
+        if np.all(np.abs(step) <= _CONVERGENCE_TOLERANCE * np.abs(pole)):
+            return pole
+    has_converged = np.abs(step) <= 1e-9 * np.abs(pole)
+    return np.where(has_converged & (pole.imag > 0.0), pole, np.nan)
+
+
+def pole_or_own(structure: Structure, gain: Array, delay: Array) -> tuple[Spectrum, NDArray[np.bool_]]:
+    """Dominant poles [1/s], the structure's own where there is none, and whether there is, shape (cells,)."""
+    pole = dominant_pole(structure, gain, delay)
+    oscillates = np.isfinite(pole)
+    return np.where(oscillates, pole, structure.pole), oscillates
+
+
+def modal_loop(
+    structure: Structure, gain: Array, delay: Array, *, has_measured_output: bool = True
+) -> ModalLoop:
+    """Split the loop from −a_g to a displacement into its dominant pair and a rest."""
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    loop_gain = alpha * gain * w0**2
+    pole, oscillates = pole_or_own(structure, gain, delay)
+    slope = 2.0 * pole + 2.0 * xi * w0 - delay * loop_gain * np.exp(-pole * delay)
+    output, late = (gain, delay) if has_measured_output else (np.ones_like(gain), np.zeros_like(delay))
+    residue = np.where(oscillates, output * np.exp(-pole * late) / slope, 0.0)
+    series_without_pair = _series(structure, gain, delay, output, late)
+    for power in range(_MOMENTS):
+        series_without_pair[power] += 2.0 * (residue / pole ** (power + 1)).real
+    short = w0 * delay < _SHORT
+    fast_poles, fast_residues = _fast_pair(
+        series_without_pair, delay, short if has_measured_output else np.zeros_like(short)
+    )
+    if not has_measured_output:
+        fast_residues = np.where(short, 0.0, fast_residues)  # of the order of τ⁴
+    return ModalLoop(pole=pole, residue=residue, fast_poles=fast_poles, fast_residues=fast_residues)
+
+
+def _series(structure: Structure, gain: Array, delay: Array, output: Array, late: Array) -> Array:
+    """Taylor coefficients at s = 0 of the whole transfer function, shape (4, cells)."""
+    w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
+    factorial = np.array([[1.0], [1.0], [2.0], [6.0]])
+    power = np.arange(_MOMENTS, dtype=np.float64)[:, np.newaxis]
+    numerator: Array = output * (-late) ** power / factorial
+    denominator = alpha * gain * w0**2 * (-delay) ** power / factorial
+    denominator[0] += (1.0 - alpha) * w0**2
+    denominator[1] += 2.0 * xi * w0
+    denominator[2] += 1.0
+    series: Array = np.zeros_like(numerator)
+    for k in range(_MOMENTS):
+        lower_terms = sum(series[j] * denominator[k - j] for j in range(k))
+        series[k] = (numerator[k] - lower_terms) / denominator[0]
+    return series
+
+
+def _fast_pair(series: Array, delay: Array, short: NDArray[np.bool_]) -> tuple[Spectrum, Spectrum]:
+    """Poles and residues of the Padé approximant of Taylor coefficients, shape (2, cells) each."""
+    tau = np.maximum(delay, 1e-12)
+    c = series / tau ** np.arange(2, 2 + _MOMENTS)[:, np.newaxis]  # in units of the delay
+    # For a very short delay rounding errors dominate the higher coefficients; a known shape replaces them.
+    shape = np.array([[1.0], [-1.0 / 3.0], [1.0 / 12.0], [-1.0 / 60.0]])
+    c = np.where(short, c[0] * shape, c)
+    with np.errstate(all="ignore"):  # cells without a delay have no fast pair
+        determinant = c[1] ** 2 - c[0] * c[2]
+        m1 = (c[0] * c[3] - c[1] * c[2]) / determinant
+        m2 = (c[2] ** 2 - c[1] * c[3]) / determinant
+        root = np.sqrt((m1**2 - 4.0 * m2).astype(np.complex128))
+        poles = np.stack([-m1 + root, -m1 - root]) / (2.0 * m2)
+        residues = (c[0] + (c[1] + m1 * c[0]) * poles) / (m1 + 2.0 * m2 * poles)
+    sound = (delay > 0.0) & (m2 > 0.0) & (m1 > 0.0) & (np.abs(root) > 0.0)
+    fallback = np.array([[-1.0 + 1.0j], [-1.0 - 1.0j]])
+    scaled_poles = np.where(sound, poles, fallback).astype(np.complex128) / tau
+    return scaled_poles, np.where(sound, residues * tau, 0.0).astype(np.complex128)
+
+
+def transfer(structure: Structure, gain: Array, delay: Array, s: Spectrum) -> Spectrum:
+    """Exact transfer function k_p e^(−sτ)/Q(s) from −a_g to the measured displacement [s²]."""
+    return transfer_of_shift(structure, gain, np.exp(-s * delay), s)
+
+
+def transfer_of_shift(structure: Structure, gain: Array, shift: Spectrum, s: Spectrum) -> Spectrum:
+    """Return the same of an actuator whose e^(−sτ) is known."""
+    w0, xi = structure.circular_frequency, structure.damping_ratio
+    alpha = structure.experimental_fraction
+    actuator = gain * shift
+    return actuator / (s**2 + 2.0 * xi * w0 * s + w0**2 * (1.0 - alpha + alpha * actuator))
+
+
+def comparison_frequencies(structure: Structure) -> Spectrum:
+    """Frequencies s = iω [rad/s] at which the reduction is compared with the exact loop, shape (bands, 1)."""
+    return (2j * np.pi * structure.frequency * _COMPARISON_FREQUENCIES[:, np.newaxis]).astype(np.complex128)
+
+
+def band_edges(structure: Structure) -> Array:
+    """Edges [Hz] of the bands in which the reduction is compared with the exact loop."""
+    half = np.sqrt(_COMPARISON_FREQUENCIES[1] / _COMPARISON_FREQUENCIES[0])
+    return structure.frequency * np.append(_COMPARISON_FREQUENCIES / half, _COMPARISON_FREQUENCIES[-1] * half)
+
+
+def reduction_loss(
+    structure: Structure, gain: Array, delay: Array, loop: DominantPoleLoop
+) -> tuple[Array, Array]:
+    """Compare the reduced loop with the exact one, band by band.
+
+    Returns `neglected, total`: squared moduli of exact minus reduced transfer function and of x_m − x_I over
+    −a_g [s⁴], shape (bands, cells). Weighted by the power of a record in each band their sums give the
+    relative error of the deviation's mean square.
+    """
+    s = comparison_frequencies(structure)
+    exact = transfer(structure, gain, delay, s)
+    ideal = transfer(structure, np.ones(1), np.zeros(1), s)
+    neglected_power = np.abs(exact - loop.transfer(s)) ** 2
+    total = np.maximum(np.abs(exact - ideal), _NO_DEVIATION * np.abs(ideal)) ** 2
+    return np.where(np.isfinite(neglected_power), neglected_power, np.inf), total
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeadingLoop:
+    """Dominant pole pair, feed-through and lead, one entry per cell."""
+
+    # pole, residue: Pole p [1/s] and residue k_p r [s] of k_p times the command's response to −a_g, complex,
+    # shape (cells,); their conjugates belong to them
+    pole: Spectrum
+    residue: Spectrum
+    feedthrough: Array  # k_p c, direct term of the other poles [s²], shape (cells,)
+    # Lead T by which the measured displacement is ahead [s], positive, shape (cells,)
+    lead: Array
+
+    def command(self, gain: Array) -> "LeadingLoop":
+        """Take the loop from −a_g to the command, of actuators of given gains [-], shape (cells,)."""
+        return LeadingLoop(
+            pole=self.pole,
+            residue=self.residue / gain,
+            feedthrough=self.feedthrough / gain,
+            lead=np.zeros_like(self.lead),
+        )
+
+    def transfer(self, s: Spectrum) -> Spectrum:
+        """Transfer function from −a_g [s²] at frequencies s [rad/s] that broadcast with the cells."""
+        pair = self.residue / (s - self.pole) + self.residue.conj() / (s - self.pole.conj())
+        return np.asarray(np.exp(s * self.lead) * (pair + self.feedthrough))
+
+
+def leading_loop(structure: Structure, gain: Array, lead: Array) -> LeadingLoop:
+    """Split the loop of a leading actuator into its dominant pair and a feed-through."""
+    w0, xi, alpha = structure.circular_frequency, structure.damping_ratio, structure.experimental_fraction
+    loop_gain = alpha * gain * w0**2
+    pole, oscillates = pole_or_own(structure, gain, -lead)
+    slope = 2.0 * pole + 2.0 * xi * w0 + lead * loop_gain * np.exp(pole * lead)
+    residue = np.where(oscillates, gain / slope, 0.0)
+    static = gain / ((1.0 - alpha) * w0**2 + loop_gain)
+    feedthrough = static + 2.0 * (residue / pole).real
+    return LeadingLoop(pole=pole, residue=residue, feedthrough=feedthrough, lead=lead)
+
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 

@@ -16,9 +16,8 @@ import scipy
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
-from reliab.simulation.deviation import Deviation, peak_of_history
-from reliab.simulation.excitation import Excitation
-from reliab.simulation.linear_loop.dominant_pole import transfer, transfer_of_shift
+from reliab.simulation.excitation import Deviation, Excitation, peak_of_history
+from reliab.simulation.linear_loop.pole_recursion import transfer, transfer_of_shift
 from reliab.structures.structure import Structure, critical_delay, refuse_long_leads
 
 _LONGEST_STEP = 1.0 / 512.0

@@ -18,11 +18,12 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.compiled import compiled, copy_rows
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.linear_loop.blocks import Blocks, cut_together
-from reliab.simulation.linear_loop.dominant_pole import leading_loop, modal_loop
 from reliab.simulation.linear_loop.pole_recursion import (
     BlockRecursion,
     fill_lanes,
+    leading_loop,
     leading_recursion,
+    modal_loop,
     recursion,
     recursions,
 )

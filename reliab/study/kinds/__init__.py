@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from reliab.core.registry import Registry
-from reliab.study.folders import StudyKind, folders_of_kinds, kind_of
+from reliab.study.description import StudyKind, folders_of_kinds, kind_of
 from reliab.study.kinds import criterion, discrepancy
 
 

@@ -12,8 +12,7 @@ from reliab.core.files import written_whole
 from reliab.core.shipped import shipped
 from reliab.criterion.criterion import Criterion
 from reliab.report.document import Document
-from reliab.study.description import CriterionStudy
-from reliab.study.folders import StudyKind
+from reliab.study.description import CriterionStudy, StudyKind
 from reliab.study.stages import Stage, digest, read_result, software_provenance
 from reliab.study.steps import (
     CRITERIA,
@@ -30,8 +29,7 @@ from reliab.study.steps import (
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.sweep.results import REAL, open_results, real_results
 from reliab.validation.counts import CrossValidation
-from reliab.validation.earthquakes import earthquakes_among
-from reliab.validation.folds import Fold
+from reliab.validation.folds import Fold, earthquakes_among
 from reliab.validation.judge import PrintedCandidate, cross_validate
 from reliab.validation.truth import StoredTruth
 
@@ -53,7 +51,7 @@ def stages(study: CriterionStudy) -> Sequence[Stage]:
 def report(study: CriterionStudy, folder: Path) -> Document:
     """Report the criteria with the containment on held-out earthquakes."""
     from reliab.report.kinds.criterion.report import criterion_report, no_criterion_report
-    from reliab.report.sections.rates import rates_table
+    from reliab.report.sections import rates_table
 
     population = Material(study, results=study.motions.results).population
     derivations, ellipses = derivation_of(folder), open_ellipses(folder / ELLIPSES)

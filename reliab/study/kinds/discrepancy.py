@@ -11,8 +11,7 @@ from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.report.content import read_content, save_content
 from reliab.report.document import Document
-from reliab.study.description import Study, StudyTable
-from reliab.study.folders import StudyKind
+from reliab.study.description import Study, StudyKind, StudyTable
 from reliab.study.stages import Stage, digest, software_provenance
 
 if TYPE_CHECKING:

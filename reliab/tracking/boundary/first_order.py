@@ -29,8 +29,7 @@ import scipy
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.vocabulary import MILLI
 from reliab.signals.filters import filter_recursively
-from reliab.simulation.deviation import peak_of_history
-from reliab.simulation.excitation import Excitation
+from reliab.simulation.excitation import Excitation, peak_of_history
 from reliab.simulation.linear_loop.spectral import respond
 from reliab.structures.structure import Structure
 

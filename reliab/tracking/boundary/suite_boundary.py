@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric, Side
-from reliab.simulation.deviation import Deviation
 from reliab.simulation.engine import Engine, Loop
+from reliab.simulation.excitation import Deviation
 from reliab.simulation.linear_loop.blocks import block_length
 from reliab.simulation.linear_loop.cells import Cells
 from reliab.simulation.linear_loop.pole_plane import mean_squares

@@ -14,7 +14,7 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
-from reliab.simulation.deviation import Deviation, peak_of_history
+from reliab.simulation.excitation import Deviation, peak_of_history
 
 
 def relative_error(deviation: Deviation, metric: Metric) -> Array:

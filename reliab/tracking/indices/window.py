@@ -7,7 +7,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.motions.intensity import arias_times
+from reliab.motions.motion import arias_times
 
 
 class _Kind(StrEnum):

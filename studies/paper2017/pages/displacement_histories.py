@@ -14,10 +14,22 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.axes import DISPLACEMENT, TIME, legend_below, mark, plain
 from reliab.report.document import Figure as RpFigure
 from reliab.report.prose import Prose
-from reliab.report.style import BLUE, INK, PALE, VERMILION, apply_style, letters, panels as rp_panels
+from reliab.report.style import (
+    BLUE,
+    DISPLACEMENT,
+    INK,
+    PALE,
+    TIME,
+    VERMILION,
+    apply_style,
+    legend_below,
+    letters,
+    mark,
+    panels as rp_panels,
+    plain,
+)
 
 _PANEL_HEIGHT, _MARGIN = 32.0, 16.0
 _HEADROOM = 1.45

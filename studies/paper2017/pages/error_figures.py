@@ -12,8 +12,23 @@ from numpy.typing import NDArray
 
 from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
-from reliab.report.axes import AMPLITUDE, DELAY, ERRORS, label_logarithmic, legend_below, mark, name_axes
-from reliab.report.style import GREY, INK, SEQUENTIAL, apply_style, blank, letters, line, panels
+from reliab.report.style import (
+    AMPLITUDE,
+    DELAY,
+    ERRORS,
+    GREY,
+    INK,
+    SEQUENTIAL,
+    apply_style,
+    blank,
+    label_logarithmic,
+    legend_below,
+    letters,
+    line,
+    mark,
+    name_axes,
+    panels,
+)
 from reliab.tracking.boundary.contour import Contour
 from reliab.tracking.boundary.curves import Curve
 

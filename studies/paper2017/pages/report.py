@@ -8,13 +8,12 @@ import xarray as xr
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.criterion.provenance import records_checksum
-from reliab.report.document import Column, Document, Paragraph, Section, Table
+from reliab.criterion.scope import records_checksum
+from reliab.report.document import SOURCES, Column, Document, Paragraph, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, Significant, write_in_line
 from reliab.report.prose import Prose, prose
-from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.sweep.shares import share_of
+from reliab.report.sections import limits_section, method_section
+from reliab.sweep.labels import share_of
 
 from ..audit import items_of, tabulate
 from ..printed import EXAMPLE, PrintedTables

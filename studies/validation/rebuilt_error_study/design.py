@@ -12,7 +12,7 @@ from reliab.core.vocabulary import Metric
 from reliab.motions.motion import Motion
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import open_ellipses
-from reliab.validation.earthquakes import earthquakes_among
+from reliab.validation.folds import earthquakes_among
 
 from .judges import (
     Question,

@@ -15,13 +15,13 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import MILLI, Metric, Side
 from reliab.criterion.criterion import Criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.criterion.laws.registry import MANY_MOTION_LAWS
-from reliab.criterion.published import published_criterion
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import FrequencyEvaluation, frequency_evaluation
 from reliab.tracking.indices.response_error import relative_error
+from reliab.tracking.indices.tracking import FrequencyEvaluation, frequency_evaluation
 
 REBUILT: Final = "rebuilt error"
 CERTAIN: Final = "rebuilt error, verdict reliable"

@@ -21,7 +21,7 @@ from reliab.effects.rate_limit import RateLimit
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
 from reliab.effects.stroke_saturation import StrokeSaturation
 from reliab.simulation.hybrid_test.model import Actuator
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 from ..beyond_the_model import Rig

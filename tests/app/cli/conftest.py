@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest

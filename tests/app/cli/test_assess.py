@@ -13,7 +13,7 @@ from reliab.app.cli import application, run as run_command, spread
 from reliab.app.cli.commands import as_options
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent_with_interval
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 
 ONE_HERTZ = ("--f", "1", "--xi", "0.02")
 

@@ -5,7 +5,7 @@ import typer
 
 from reliab.app.cli import application
 from reliab.criterion.methods.registry import METHODS
-from reliab.study.folders import folders_of_studies
+from reliab.study.description import folders_of_studies
 
 COMMANDS = typer.main.get_group(application()).commands
 CASES = [

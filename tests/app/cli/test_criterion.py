@@ -114,8 +114,8 @@ def test_synthetic_motions_are_called_so(tmp_path):
 
 @pytest.mark.slow
 def test_motions_are_simulated_then_and_there(tmp_path):
+    from reliab.motions.catalogue import write_suite
     from reliab.motions.synthetic.suite import synthetic_suite
-    from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=6), tmp_path / "suite")
     content = answer(
@@ -205,8 +205,7 @@ def test_bad_input_is_explained(wrong, rule):
 
 def test_stored_results_answer_for_any_threshold(tmp_path):
     from reliab.motions.synthetic.suite import synthetic_suite
-    from reliab.sweep.grid import ScaledGrid
-    from reliab.sweep.request import SweepRequest
+    from reliab.sweep.request import ScaledGrid, SweepRequest
     from reliab.sweep.run import run_sweep
 
     request = SweepRequest(

@@ -9,10 +9,10 @@ from typer.testing import CliRunner
 
 from reliab.app.cli.criterion import criterion
 from reliab.core.errors import InputError
+from reliab.motions.catalogue import write_suite
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 from reliab.simulation.frames.frame_file import read_frame
 from reliab.sweep.frame_table import errors_of_rig
 from reliab.tracking.indices.window import Window

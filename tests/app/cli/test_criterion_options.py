@@ -16,13 +16,12 @@ from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.laws.law import scales
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 from reliab.criterion.methods.registry import METHODS
+from reliab.motions.catalogue import write_suite
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 from reliab.sweep.ellipse_dataset import write_ellipses
-from reliab.sweep.grid import ScaledGrid
-from reliab.sweep.request import SweepRequest
+from reliab.sweep.request import ScaledGrid, SweepRequest
 from reliab.sweep.run import run_sweep
 
 app = typer.Typer()

@@ -7,8 +7,7 @@ import pytest
 
 import reliab
 from reliab.app.api import monitor
-from reliab.app.cli import _commands, run
-from reliab.app.cli.defaults import COMMAND_LINE_ONLY, user_file
+from reliab.app.cli import COMMAND_LINE_ONLY, _commands, run, user_file
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 

@@ -7,8 +7,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from reliab.app.cli import simulate as module
-from reliab.app.cli.simulate import ellipses
+from reliab.app.cli import motions as module
+from reliab.app.cli.motions import ellipses
 
 app = typer.Typer()
 app.command()(ellipses)

@@ -16,9 +16,7 @@ from reliab.app.api import derived_criteria, simulation, sources, studies, valid
 from reliab.app.api.criteria import derive_criteria
 from reliab.app.api.design import design_test, write_explorer
 from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis
-from reliab.app.api.installation import copy_samples, describe_installation, fetch_dataset
 from reliab.app.api.monitor import export_monitor, follow_test
-from reliab.app.api.motions import check_motions, import_motions, list_motions, synthesize_motions
 from reliab.app.api.records import calibrate, record
 from reliab.app.api.rigs import (
     add_to_rig,
@@ -29,8 +27,22 @@ from reliab.app.api.rigs import (
     report_rig,
     show_rig_test,
 )
-from reliab.app.api.simulation import simulate_suite, trace_boundaries
-from reliab.app.api.studies import list_studies, report_run, run_study
+from reliab.app.api.simulation import (
+    check_motions,
+    import_motions,
+    list_motions,
+    simulate_suite,
+    synthesize_motions,
+    trace_boundaries,
+)
+from reliab.app.api.studies import (
+    copy_samples,
+    describe_installation,
+    fetch_dataset,
+    list_studies,
+    report_run,
+    run_study,
+)
 from reliab.app.api.validation import calibrate_probabilities, validate_criteria
 from reliab.app.cli.commands import as_options
 from reliab.core.shipped import shipped

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from reliab.app.cli import run
+from reliab.motions.catalogue import write_suite
 from reliab.motions.motion import Motion
 from reliab.motions.suite import MotionSuite
-from reliab.motions.writing import write_suite
 
 DESIGN = ("design",)
 TEST = ("assess", "sample_test", "--f", "1", "--xi", "0.02")

@@ -11,8 +11,7 @@ from rich.console import Console
 from reliab.app.api.followed_test import Message
 from reliab.app.cli import motions, record, validate
 from reliab.app.cli.assess import show_several
-from reliab.app.cli.criterion import show_criteria
-from reliab.app.cli.design import show_design
+from reliab.app.cli.criterion import show_criteria, show_design
 from reliab.app.cli.monitor import _table
 from reliab.assessment.design import TolerableErrors
 from reliab.assessment.monitor import Monitor

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from reliab.app.cli import run
-from reliab.app.cli.interruption import interruption, notice_interruption
+from reliab.app.cli import interruption, notice_interruption, run
 from reliab.core.errors import INTERRUPTED
 
 CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")

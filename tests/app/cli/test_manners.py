@@ -76,7 +76,7 @@ def test_an_interrupted_command_ends_with_130_and_a_sentence(monkeypatch, capsys
     def interrupted(*_arguments, **_options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("reliab.app.api.installation.describe_installation", interrupted)
+    monkeypatch.setattr("reliab.app.api.studies.describe_installation", interrupted)
     assert run(["info"]) == 130
     assert capsys.readouterr().err.strip() == "Interrupted. No file is half written; run the command again."
 
@@ -126,7 +126,7 @@ def test_system_errors_are_one_sentence(monkeypatch, capsys):
     def write_suite(*_, **__):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "/locked/suite")
 
-    monkeypatch.setattr("reliab.app.api.motions.write_suite", write_suite)
+    monkeypatch.setattr("reliab.app.api.simulation.write_suite", write_suite)
     assert run(["motions", "synthesize", "--count", "2", "--out", "suite"]) == 2
     assert capsys.readouterr().err == "Error: /locked/suite: Permission denied\n"
 

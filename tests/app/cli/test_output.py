@@ -70,7 +70,7 @@ def test_symbols_are_written_out(run_with):
 
 
 def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with, monkeypatch):
-    installation = importlib.import_module("reliab.app.api.installation")
+    installation = importlib.import_module("reliab.app.api.studies")
     monkeypatch.setattr(
         installation,
         "describe_installation",
@@ -85,7 +85,7 @@ def test_lines_without_a_table_keep_to_the_terminals_characters_as_well(run_with
 
 
 def test_characters_without_a_name_or_with_one_word_are_written_out_too(run_with, monkeypatch):
-    installation = importlib.import_module("reliab.app.api.installation")
+    installation = importlib.import_module("reliab.app.api.studies")
     monkeypatch.setattr(
         installation, "describe_installation", lambda: {"executable": "/\u2708/\ue000/\udcc3"}
     )

@@ -11,8 +11,8 @@ from reliab.app import cli
 from reliab.app.cli import output as module
 from reliab.app.cli.output import duration, progress_bar, progress_lines
 from reliab.core.progress import show_task, shows_tasks, silent
+from reliab.motions.catalogue import write_suite
 from reliab.motions.loading import load_motions
-from reliab.motions.writing import write_suite
 
 
 @pytest.fixture

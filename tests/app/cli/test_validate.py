@@ -121,8 +121,8 @@ def test_frequencies_can_be_left_out():
 
 @pytest.mark.slow
 def test_sets_are_judged_by_others(tmp_path):
+    from reliab.motions.catalogue import write_suite
     from reliab.motions.synthetic.suite import synthetic_suite
-    from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=12), tmp_path / "suite")
     path = tmp_path / "suite" / "catalog.csv"
@@ -166,8 +166,8 @@ def test_bad_input_is_explained(wrong, rule):
 
 @pytest.mark.slow
 def test_own_motions_are_judged_by_the_shipped_suite(tmp_path):
+    from reliab.motions.catalogue import write_suite
     from reliab.motions.synthetic.suite import synthetic_suite
-    from reliab.motions.writing import write_suite
 
     write_suite(synthetic_suite(count=4), tmp_path / "suite")
     path = tmp_path / "suite" / "catalog.csv"

@@ -25,7 +25,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

@@ -24,9 +24,8 @@ from reliab.assessment.rebuilt_error.specimen_check import (
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.frame import Frame
+from reliab.structures.frame import Frame, Specimen
 from reliab.structures.partition import Partition, whole_structure
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE

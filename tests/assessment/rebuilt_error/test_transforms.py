@@ -15,8 +15,7 @@ from reliab.assessment.rebuilt_error.size import (
     samples_in_step_of_structure,
 )
 from reliab.core.errors import InputError
-from reliab.signals.lapped_transform import analyse, synthesise
-from reliab.signals.spectra import average_over_bins
+from reliab.signals.spectra import analyse, average_over_bins, synthesise
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 

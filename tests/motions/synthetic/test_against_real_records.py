@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reliab.motions.intensity import measure
 from reliab.motions.loading import load_motions
+from reliab.motions.motion import measure
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.suite import synthetic_suite
 

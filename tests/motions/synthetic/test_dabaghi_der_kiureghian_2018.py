@@ -28,7 +28,7 @@ from reliab.motions.synthetic.fema_p695_2009 import (
     is_strong,
     rupture_length,
 )
-from reliab.motions.synthetic.random_stream import RandomStream
+from reliab.motions.synthetic.recording import RandomStream
 from reliab.motions.synthetic.suite import pulse_probability
 
 _VALUES = {

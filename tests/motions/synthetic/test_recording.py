@@ -19,10 +19,10 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
     Scenario,
     physical_parameters,
 )
-from reliab.motions.synthetic.random_stream import RandomStream
 from reliab.motions.synthetic.recording import (
     TIME_STEP,
     Modulation,
+    RandomStream,
     corner_frequency,
     filter_frequency,
     filter_noise,

@@ -11,10 +11,10 @@ from scipy import stats
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.intensity import measure
+from reliab.motions.motion import measure
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
-from reliab.motions.synthetic.random_stream import RandomStream
+from reliab.motions.synthetic.recording import RandomStream
 from reliab.motions.synthetic.suite import EVENT_SHARE, EventErrors, synthetic_entries, synthetic_suite
 
 CHECKSUM = "5d541ae9b2ac9b59"

@@ -12,8 +12,8 @@ from reliab.report.figures import discrepancy
 from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
 from reliab.report.kinds.criterion.result import criterion_surfaces
 from reliab.report.kinds.rig_report import rig_over_time
-from reliab.report.sections.rates import coverage_by_frequency
-from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
+from reliab.report.sections import coverage_by_frequency
+from reliab.tracking.indices.tracking import TrackingOverFrequency
 
 
 def rates_of(**levels):

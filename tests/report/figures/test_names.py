@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from cli.test_names import NAMES
 
-from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.report.axes import plain
+from reliab.criterion.population import EllipseSample
 from reliab.report.kinds.criterion.report import event_forest
-from reliab.report.style import svg
+from reliab.report.style import plain, svg
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from reliab.report.sections.rates import coverage_by_frequency
+from reliab.report.sections import coverage_by_frequency
 
 
 def rates_of(**levels):

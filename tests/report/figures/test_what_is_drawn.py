@@ -15,10 +15,13 @@ from reliab.assessment.design import TolerableErrors
 from reliab.assessment.tracking_index import Windows
 from reliab.core.vocabulary import Block
 from reliab.criterion.distributions import Lognormal
-from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.report.axes import ellipse_line
+from reliab.criterion.population import EllipseSample
 from reliab.report.figures import discrepancy
-from reliab.report.figures.measured_test import error_over_time, tracking_overview
+from reliab.report.figures.measured_test import (
+    error_over_time,
+    tolerable_errors_over_frequency,
+    tracking_overview,
+)
 from reliab.report.figures.parameter_distributions import (
     ParameterSeries,
     ellipses_and_criterion,
@@ -32,14 +35,13 @@ from reliab.report.figures.parameter_distributions import (
     ranks,
     traces,
 )
-from reliab.report.figures.tests_by_error import tolerable_errors_over_frequency
 from reliab.report.kinds.assessment.frame import amplitude_and_delay_over_frequency
 from reliab.report.kinds.criterion.report import event_forest
 from reliab.report.kinds.criterion.result import criterion_surfaces
-from reliab.report.sections.rates import calibration_curve, coverage_by_frequency
-from reliab.report.style import svg
+from reliab.report.sections import calibration_curve, coverage_by_frequency
+from reliab.report.style import ellipse_line, svg
 from reliab.sampling.posterior_sample import PosteriorSample
-from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
+from reliab.tracking.indices.tracking import TrackingOverFrequency
 
 MILLIMETRES = 25.4
 

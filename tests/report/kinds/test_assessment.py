@@ -13,7 +13,7 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.methods.registry import method_of
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.report import assessment_report
-from reliab.report.wording import replace_arguments_by_options
+from reliab.report.prose import replace_arguments_by_options
 from reliab.structures.structure import Structure
 
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, floor_interface
 
 
 @pytest.fixture

@@ -7,8 +7,7 @@ from coupled_structures import coupled_response, described, node, two_storeys
 from reliab.core.errors import InputError
 from reliab.simulation.engine import Engine
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames.exact_loop import stable_with
-from reliab.simulation.frames.frame_loop import FrameLoop
+from reliab.simulation.frames.frame_loop import FrameLoop, stable_with
 from reliab.simulation.transfer_systems.transfer_function import (
     ActuatorMatrix,
     TransferFunction,

@@ -14,10 +14,9 @@ from reliab.simulation.engine import Engine, Loop
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.frames.frame_loop import FrameLoop
 from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import Frame, Specimen, modal_damping
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen
 from reliab.structures.structure import Structure
 from reliab.tracking.boundary.suite_boundary import motion_contours
 

@@ -5,10 +5,16 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables, read_frame
-from reliab.structures.frame import Frame, modal_damping
+from reliab.structures.frame import (
+    Frame,
+    Specimen,
+    add_specimen,
+    drift_interface,
+    floor_interface,
+    modal_damping,
+)
 from reliab.structures.partition import Partition
 from reliab.structures.planar_frame import shear_frame
-from reliab.structures.specimen import Specimen, add_specimen, drift_interface, floor_interface
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from reliab_studies.marths_benchmark.structure import ANGLE, ARM, to_node
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.frame_file import frame_of_tables
-from reliab.simulation.frames.planar_geometry import PlanarGeometry
+from reliab.simulation.frames.transfer_table import PlanarGeometry
 
 BENCHMARK: dict[str, Any] = {
     "motions": ("x", "rotation"),

@@ -9,11 +9,13 @@ from scipy.io import savemat
 
 from reliab.core.errors import InputError
 from reliab.simulation.excitation import Excitation
-from reliab.simulation.frames.exact_loop import stable_with
 from reliab.simulation.frames.frame_file import frame_of_tables
-from reliab.simulation.frames.frame_loop import FrameLoop
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
+from reliab.simulation.frames.frame_loop import FrameLoop, stable_with
+from reliab.simulation.transfer_systems.transfer_function import (
+    ServoHydraulic,
+    TransferFunction,
+    gain_and_delay,
+)
 from reliab.structures.critical_delay import stability_limit
 
 TABLES = {

@@ -8,9 +8,8 @@ from reliab.core.errors import InputError
 from reliab.simulation.frames.reduced_loop import pole_loop
 from reliab.simulation.transfer_systems.transfer_function import gain_and_delay
 from reliab.structures.critical_delay import stability_limit
-from reliab.structures.frame import Frame
+from reliab.structures.frame import Frame, Specimen, floor_interface
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure, critical_delay
 
 

@@ -13,7 +13,7 @@ from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, load, read_force
 from reliab.simulation.linear_loop import spectral
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / 512.0

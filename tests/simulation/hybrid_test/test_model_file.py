@@ -14,7 +14,7 @@ from reliab.effects.registry import find_effect, library
 from reliab.motions.loading import load_motions
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.model_file import UpdatedModel, read_model, write_model
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 from reliab.sweep.results import open_results
 

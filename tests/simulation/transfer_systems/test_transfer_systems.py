@@ -7,12 +7,12 @@ from scipy.io import savemat
 
 from reliab.core.errors import InputError
 from reliab.simulation.frames.transfer_table import read_matlab, transfer_function_of
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
 from reliab.simulation.transfer_systems.transfer_function import (
+    ServoHydraulic,
     TransferFunction,
     gain_and_delay,
 )
-from reliab.structures.specimen import Specimen
+from reliab.structures.frame import Specimen
 
 SPRING = Specimen(stiffness=1e6)
 LAG = TransferFunction(numerator=(1.0,), denominator=(0.01, 1.0))

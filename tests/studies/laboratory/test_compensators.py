@@ -11,7 +11,7 @@ from reliab.core.errors import InputError
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import frequency_evaluation
+from reliab.tracking.indices.tracking import frequency_evaluation
 
 STEP = 1.0 / 1024.0
 

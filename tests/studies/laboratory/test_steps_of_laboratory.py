@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reliab_studies.laboratory.laboratory import _runge_kutta_step
 
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
+from reliab.simulation.transfer_systems.transfer_function import ServoHydraulic
 
 
 @pytest.mark.parametrize("step", [0.3, 0.01])

@@ -3,7 +3,7 @@
 import pytest
 from reliab_studies.paper2017.cases import case_verdicts
 
-from reliab.criterion.published import published_criterion
+from reliab.criterion.derivation import published_criterion
 from reliab.motions.loading import load_motions
 
 

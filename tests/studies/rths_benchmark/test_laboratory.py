@@ -23,11 +23,13 @@ from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
-from reliab.simulation.transfer_systems.servo_hydraulic import ServoHydraulic
-from reliab.simulation.transfer_systems.transfer_function import TransferFunction, gain_and_delay
-from reliab.structures.frame import Frame, reference_response
+from reliab.simulation.transfer_systems.transfer_function import (
+    ServoHydraulic,
+    TransferFunction,
+    gain_and_delay,
+)
+from reliab.structures.frame import Frame, Specimen, floor_interface, reference_response
 from reliab.structures.partition import Partition
-from reliab.structures.specimen import Specimen, floor_interface
 from reliab.structures.structure import Structure
 
 

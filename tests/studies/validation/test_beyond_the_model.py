@@ -6,7 +6,7 @@ from reliab_studies.validation.beyond_the_model import rigs_of_delay, try_rigs
 
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.laws.table import TabulatedLimits
-from reliab.criterion.provenance import Provenance
+from reliab.criterion.scope import Provenance
 from reliab.motions.loading import load_motions
 from reliab.structures.structure import Structure
 

@@ -10,7 +10,7 @@ from reliab.simulation.linear_loop import delay_stepper
 from reliab.simulation.linear_loop.blocks import cut
 from reliab.simulation.linear_loop.tracking_sums import TrackingSums
 from reliab.structures.structure import Structure
-from reliab.tracking.indices.frequency_evaluation import evaluate_sums, frequency_evaluation
+from reliab.tracking.indices.tracking import evaluate_sums, frequency_evaluation
 
 
 def evaluate(acceleration, time_step, structure, gain, delay, window="hann"):

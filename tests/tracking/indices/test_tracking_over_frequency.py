@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.tracking.indices.frequency_evaluation import (
+from reliab.tracking.indices.tracking import (
     TrackingOverFrequency,
     _advance,
     tracking_over_frequency,

@@ -20,7 +20,6 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress, silent
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Side
-from reliab.criterion.ellipse_sample import FEWEST_MOTIONS
 from reliab.criterion.laws.law import scales
 from reliab.criterion.methods.hierarchical.model import Hierarchical
 from reliab.criterion.methods.hierarchical.strata import (
@@ -35,9 +34,8 @@ from reliab.criterion.methods.hierarchical.strata import (
     weights_of_motion_mean,
 )
 from reliab.criterion.methods.method import LearnedLimits, Scatter, validate_share
-from reliab.criterion.population import Population, SampleGrid
-from reliab.sampling.ensembles import Ensembles, draw, width_of
-from reliab.sampling.model import Laplace
+from reliab.criterion.population import FEWEST_MOTIONS, Population, SampleGrid
+from reliab.sampling.ensembles import Ensembles, Laplace, draw, width_of
 from reliab.sampling.posterior_sample import PosteriorSample
 
 _NODES = 24  # normal distributions that make up a Student's t

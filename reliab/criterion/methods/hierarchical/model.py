@@ -27,7 +27,7 @@ from reliab.criterion.methods.hierarchical.strata import (
     squares_of,
     weights_of_motion_mean,
 )
-from reliab.sampling.model import Model, SampledParameter
+from reliab.sampling.ensembles import Model, SampledParameter
 
 
 @compiled

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.sampling.model import SampledParameter
+from reliab.sampling.ensembles import SampledParameter
 
 
 def covariance_parameters(prefix: str, typical_spread: float) -> tuple[SampledParameter, ...]:

@@ -12,9 +12,19 @@ from reliab.assessment.tracking_index import LEVEL
 from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.axes import legend_below
-from reliab.report.document import Block, Document, Figure, Paragraph, Points, Section, Table, text_table
-from reliab.report.kinds.assessment.error import (
+from reliab.report.document import (
+    SOURCES,
+    Block,
+    Document,
+    Figure,
+    Paragraph,
+    Points,
+    Section,
+    Table,
+    provenance_of,
+    text_table,
+)
+from reliab.report.kinds.assessment.report import (
     budget_table,
     decimals_of_error,
     document_of_test,
@@ -27,9 +37,8 @@ from reliab.report.kinds.assessment.error import (
 )
 from reliab.report.numbers import MISSING
 from reliab.report.prose import Prose, prose
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, PALE, VERMILION, apply_style, panels
-from reliab.tracking.indices.frequency_evaluation import TrackingOverFrequency
+from reliab.report.style import BLUE, GREY, PALE, VERMILION, apply_style, legend_below, panels
+from reliab.tracking.indices.tracking import TrackingOverFrequency
 
 _KILO = 1e3
 

@@ -13,10 +13,20 @@ from reliab.core.significant_digits import percent, percent_and_interval, share_
 from reliab.core.vocabulary import PERCENT, Metric
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
-from reliab.criterion.ellipse_sample import EllipseSample
-from reliab.criterion.event_components import event_components
-from reliab.report.axes import A_PARAMETER, B_PARAMETER, label_logarithmic, legend_below, plain
-from reliab.report.document import Block, Column, Document, Figure, Paragraph, Points, Section, Table
+from reliab.criterion.motion_predictive import event_components
+from reliab.criterion.population import EllipseSample
+from reliab.report.document import (
+    SOURCES,
+    Block,
+    Column,
+    Document,
+    Figure,
+    Paragraph,
+    Points,
+    Section,
+    Table,
+    provenance_of,
+)
 from reliab.report.figures.parameter_distributions import (
     parameter_correlation,
     parameter_distributions,
@@ -25,21 +35,34 @@ from reliab.report.figures.parameter_distributions import (
 )
 from reliab.report.kinds.criterion.result import ReportedCriteria, result_section
 from reliab.report.numbers import Fixed, Number, Scientific, Significant
-from reliab.report.prose import Piece, Prose, prose
-from reliab.report.sections.method import limits_section, method_section
-from reliab.report.sections.rates import rates_section
-from reliab.report.sources import SOURCES, provenance_of
-from reliab.report.style import BLUE, GREY, INK, VERMILION, apply_style, letters, panels
-from reliab.report.wording import (
+from reliab.report.prose import (
     ERRORS,
     MEANINGS_OF_ERRORS,
+    Piece,
+    Prose,
     ellipse,
     error_below,
     meaning_of_confidence,
+    prose,
     values,
     window_in_words,
 )
-from reliab.sweep.shares import share_of
+from reliab.report.sections import limits_section, method_section, rates_section
+from reliab.report.style import (
+    A_PARAMETER,
+    B_PARAMETER,
+    BLUE,
+    GREY,
+    INK,
+    VERMILION,
+    apply_style,
+    label_logarithmic,
+    legend_below,
+    letters,
+    panels,
+    plain,
+)
+from reliab.sweep.labels import share_of
 
 _MOST_EVENTS = 40
 

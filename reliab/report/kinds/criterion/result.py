@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from reliab.core.significant_digits import percent, share_in_words
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, CurveName, Metric, Side
 from reliab.criterion.criterion import Criterion
-from reliab.criterion.ellipse_sample import EllipseSample, sample_of
-from reliab.report.axes import DAMPING_RATIO, FREQUENCY, name_axes
+from reliab.criterion.population import EllipseSample, sample_of
 from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
 from reliab.report.figures.parameter_distributions import (
     ParameterSeries,
@@ -29,7 +28,16 @@ from reliab.report.figures.parameter_distributions import (
 )
 from reliab.report.numbers import Fixed, Scientific, Shortest, Significant
 from reliab.report.prose import prose
-from reliab.report.style import INK, SEQUENTIAL, apply_style, letters, panels
+from reliab.report.style import (
+    DAMPING_RATIO,
+    FREQUENCY,
+    INK,
+    SEQUENTIAL,
+    apply_style,
+    letters,
+    name_axes,
+    panels,
+)
 
 _PAPER_STRUCTURE = (1.0, 0.02)
 

@@ -16,7 +16,7 @@ from reliab.criterion.methods.hierarchical.method import HierarchicalNormal
 from reliab.criterion.methods.predictive import Predictive
 from reliab.criterion.methods.registry import method_of
 from reliab.criterion.population import Population
-from reliab.sampling.model import Laplace
+from reliab.sampling.ensembles import Laplace
 from reliab.sampling.posterior_sample import ConvergenceWarning
 
 ERROR = {"threshold": 0.05, "metric": "rms"}

@@ -1,1 +1,0 @@
-"""Sections that reports of several kinds share."""
