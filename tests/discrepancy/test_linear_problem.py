@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from scipy import optimize, stats
 
-from reliab.discrepancy.fitting.fit import Fit, fit, improve_fit, jacobian, refine_fit, solve_bounded_step
+from reliab.discrepancy.fitting.fit import (
+    Fit,
+    fit,
+    improve_fit,
+    jacobian,
+    refine_fit,
+    sharpen_fit,
+    solve_bounded_step,
+)
 from reliab.discrepancy.fitting.left_out import LeftOut, _is_determined, refit
 from reliab.discrepancy.fitting.problem import Problem, observations, real_parts, relative_powers
 from reliab.discrepancy.fitting.screening import screen_effects
@@ -49,6 +57,27 @@ def space_of(reach=np.inf):
 def stack_prior():
     """The rows of the data and of the normal prior."""
     return np.vstack([MATRIX, np.eye(SIZE)]), np.concatenate([TARGET, np.zeros(SIZE)])
+
+
+def test_derivatives_near_a_fit_are_taken_over_a_tenth_of_the_deviations():
+    places = []
+    point = np.array([0.5, -1.0, 0.2, 2.0])
+
+    class Watched(Linear):
+        def whiten(self, _space, coordinates, _noise):
+            places.append(coordinates - point)
+            return TARGET - 1e3 * MATRIX @ coordinates
+
+    loud = Watched()
+    residual = loud.whiten(None, point, None)
+    model_fit = Fit(
+        space=space_of(), coordinates=point, residual=residual, jacobian=-1e3 * MATRIX, noise=NOISE,
+        log_volume=0.0,
+    )  # fmt: skip
+    sharp = sharpen_fit(loud, model_fit)
+    steps = np.abs(places[1:]).max(axis=0)
+    np.testing.assert_allclose(steps, 0.1 / (1e3 * np.linalg.norm(MATRIX, axis=0)), rtol=1e-6)
+    np.testing.assert_allclose(sharp.jacobian, model_fit.jacobian, rtol=1e-4, atol=1e-2)
 
 
 @pytest.mark.parametrize(("evidence", "rounds"), [([0.0, 10.0, 10.4, 99.0], 2), ([5.0, 5.4, 99.0], 1)])

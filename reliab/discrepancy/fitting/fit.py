@@ -14,7 +14,8 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.effects.effect import Effect
 from reliab.signals.noise import NoiseModel
 
-_STEP = 1e-3  # of a prior's standard deviation, for derivatives
+_STEP, _LEAST_STEP = 1e-3, 1e-6  # of a prior's standard deviation, for derivatives
+_FINE = 0.1  # of a parameter's deviation if all others were known, for derivatives near the fit
 _NEGLIGIBLE = 0.02  # nats
 _BOUND_MARGIN = 1e-6  # from a bound, in standard deviations of the prior
 _SMALL = 1.0  # nats
@@ -140,17 +141,18 @@ def improve_fit(
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
     changed, and the next step would be smaller still. Unless it is to be differentiated, derivatives after
-    the last step are those before it.
+    the last step are those before it. Where no step keeps its promise, derivatives are taken once more over
+    a part of the deviations that they imply: data may say far more of a parameter than its prior.
     """
     space, noise = fitted_model.space, fitted_model.noise
     lower, upper = space.bounds
     x, residual, derivatives = fitted_model.coordinates, fitted_model.residual, fitted_model.jacobian
     value = _objective(residual, x)
-    damping = _FIRST_DAMPING
+    damping, is_fine = _FIRST_DAMPING, False
     for number in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
         slope = derivatives.T @ residual + x
-        is_accepted = foreseen = False
+        is_accepted = is_rejected = foreseen = False
         while damping < _MOST_DAMPING:
             step = solve_bounded_step(curvature, slope, lower - x, upper - x, damping)
             trial = np.clip(x + step, lower, upper)
@@ -165,10 +167,14 @@ def improve_fit(
                 value -= decrease
                 damping = max(0.1 * damping, 1e-7)
                 break
+            is_rejected = True
             damping *= 8.0
-        if not is_accepted or foreseen or (number + 1 == steps and not differentiate_last):
+        is_stuck = is_rejected and not (is_accepted or is_fine)
+        if not (is_accepted or is_stuck) or foreseen or (number + 1 == steps and not differentiate_last):
             break
-        derivatives = jacobian(problem, space, x, noise, residual)
+        if is_stuck:
+            damping, is_fine = _FIRST_DAMPING, True
+        derivatives = jacobian(problem, space, x, noise, residual, _fine_steps(derivatives))
     return replace(fitted_model, coordinates=x, residual=residual, jacobian=derivatives)
 
 
@@ -192,33 +198,55 @@ def _objective(residual: Array, coordinates: Array) -> float:
 def sharpen_fit(problem: Problem, fitted_model: Fit) -> Fit:
     """Return a fitted model with derivatives of full predictions, for its standard deviations."""
     exact = _differentiate(
-        problem, fitted_model.space, fitted_model.coordinates, fitted_model.noise, fitted_model.residual
+        problem,
+        fitted_model.space,
+        fitted_model.coordinates,
+        fitted_model.noise,
+        fitted_model.residual,
+        _fine_steps(fitted_model.jacobian),
     )
     return replace(fitted_model, jacobian=exact)
 
 
+def _fine_steps(derivatives: Array) -> Array:
+    """Choose steps for derivatives from derivatives nearby, shape (size,)."""
+    deviations = 1.0 / np.maximum(np.linalg.norm(derivatives, axis=0), _FINE)
+    return np.asarray(np.clip(_FINE * deviations, _LEAST_STEP, _STEP))
+
+
 def jacobian(
-    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, residual: Array | None = None
+    problem: Problem,
+    space: ModelSpace,
+    coordinates: Array,
+    noise: NoiseModel,
+    residual: Array | None = None,
+    steps: Array | None = None,
 ) -> Array:
     """Differentiate the whitened residual, shape (rows, size), at fewer instants where that is faster.
 
-    `residual`: the one there, shape (rows,), where it was computed.
+    `residual`: the one there, shape (rows,), where it was computed; `steps`: over which, shape (size,).
     """
     centre = residual if problem.sketch is problem else None
-    return _differentiate(problem.sketch, space, coordinates, noise, centre)
+    return _differentiate(problem.sketch, space, coordinates, noise, centre, steps)
 
 
 def _differentiate(
-    problem: Problem, space: ModelSpace, coordinates: Array, noise: NoiseModel, centre: Array | None
+    problem: Problem,
+    space: ModelSpace,
+    coordinates: Array,
+    noise: NoiseModel,
+    centre: Array | None,
+    steps: Array | None = None,
 ) -> Array:
     _, upper = space.bounds
+    lengths = np.full(space.size, _STEP) if steps is None else steps
     if centre is None:
         centre = problem.whiten(space, coordinates, noise)
     columns = np.empty((centre.size, space.size))
     offsets = [place for offset in space.block.offsets for place in range(space.size)[space.places(offset)]]
     # Offsets first: the motion that a block simulated last is still remembered, and they leave it as it is.
     for place in dict.fromkeys([*offsets, *range(space.size)]):
-        step = _STEP if coordinates[place] + _STEP < upper[place] else -_STEP
+        step = lengths[place] if coordinates[place] + lengths[place] < upper[place] else -lengths[place]
         trial = coordinates.copy()
         trial[place] += step
         columns[:, place] = (problem.whiten(space, trial, noise) - centre) / step
