@@ -171,9 +171,9 @@ def find_hold(values: Array, time_step: float) -> Hold | None:
 
 _QUANTILE = 0.995  # of the steps between samples, nearly the largest one of a history that moves
 _JUMP = 4.0  # times that step
-_LEAST = 0.01  # share of the peak
-_WIDEST = 8  # samples
-_RETURN = 0.5  # share of the jump by which the history may differ after it
+_SMALLEST_JUMP = 0.01  # share of the peak
+_LONGEST_SPIKE = 8  # samples
+_JUMP_REMAINDER = 0.5  # share of the jump by which the history may differ after it
 
 
 def spikes(values: Array) -> NDArray[np.bool_]:
@@ -191,14 +191,14 @@ def spikes(values: Array) -> NDArray[np.bool_]:
     size = np.abs(steps)
     usual = float(np.quantile(size, _QUANTILE))
     peak = float(np.quantile(np.abs(values), _QUANTILE))
-    jumps = np.flatnonzero(size > max(_JUMP * usual, _LEAST * peak))
+    jumps = np.flatnonzero(size > max(_JUMP * usual, _SMALLEST_JUMP * peak))
     is_spike = np.zeros(values.size, dtype=np.bool_)
     for place, begin in enumerate(jumps):
         for end in jumps[place + 1 :]:
-            if end - begin > _WIDEST:
+            if end - begin > _LONGEST_SPIKE:
                 break
             remaining = abs(float(values[end + 1] - values[begin]))
-            if remaining <= _RETURN * size[begin] and steps[begin] * steps[end] < 0.0:
+            if remaining <= _JUMP_REMAINDER * size[begin] and steps[begin] * steps[end] < 0.0:
                 is_spike[begin + 1 : end + 1] = True
                 break
     return is_spike
@@ -229,7 +229,7 @@ def _bridge(values: Array, is_spike: NDArray[np.bool_]) -> Array:
     return np.interp(places, places[~is_spike], values[~is_spike])
 
 
-_LEAST_STEP = 0.02  # of the command's span: another zero below which nothing is said
+_SMALLEST_ZERO = 0.02  # of the command's span: another zero below which nothing is said
 _FIRST_STEP_SHARE = 0.05  # of the largest step between samples: a first step of a command that begins at rest
 _NEAR = 0.05  # of the span: distance of the mean from the first sample that may be motion
 _PIECES, _STEADY = 8, 0.25  # of a command about another zero, and the scatter of their means over the mean
@@ -258,7 +258,7 @@ def zero_of(command: Array) -> float:
         steady = float(np.std(means)) < _STEADY * abs(mean)
         oscillates = steady or command.min() > 0.0 or command.max() < 0.0
         zero = mean
-    return zero if oscillates and abs(zero) > _LEAST_STEP * span else 0.0
+    return zero if oscillates and abs(zero) > _SMALLEST_ZERO * span else 0.0
 
 
 def extent_of_test(command: Array, time_step: float) -> tuple[int, int]:
@@ -301,6 +301,6 @@ def _end_of_move(command: Array, time_step: float) -> int:
         path = np.abs(np.diff(test))
         oscillates = path.sum() > abs(level - first)
         if oscillates and abs(path @ (test[1:] - level)) <= _ABOUT * float(np.ptp(test)) * path.sum():
-            near = np.abs(command[run] - level) <= _STANDING * _LEAST_STEP * span + noise
+            near = np.abs(command[run] - level) <= _STANDING * _SMALLEST_ZERO * span + noise
             return int(run[np.argmax(near)])
     return 0

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-_DEEPEST_OBJECT: Final = 16
-_MOST_OBJECT_ITEMS: Final = 10_000
+_DEEPEST: Final = 16
+_MOST_ITEMS: Final = 10_000  # of a cell array, a structure array or a vector of texts
 
 
 def tree_of_objects(path: Path) -> dict[str, Tree]:
@@ -48,12 +48,16 @@ def tree_of_objects(path: Path) -> dict[str, Tree]:
     return {name: _as_tree(item) for name, item in content.items() if not name.startswith("__")}
 
 
-def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io makes of a variable
-    if depth > _DEEPEST_OBJECT:
+def _require_shallow(depth: int) -> None:
+    if depth > _DEEPEST:
         raise InputError(
-            f"Structures are nested more than {_DEEPEST_OBJECT} deep",
+            f"Structures are nested more than {_DEEPEST} deep",
             remedy="Save the channels as vectors",
         )
+
+
+def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io makes of a variable
+    _require_shallow(depth)
     if is_frame(item):
         return _convert_table(item)
     if isinstance(item, np.ndarray):
@@ -71,16 +75,16 @@ def _convert_array(item: np.ndarray, depth: int) -> Tree:
     if item.dtype.names:
         rows = [
             {name: _as_tree(row[name], depth + 1) for name in item.dtype.names}
-            for row in item.reshape(-1)[:_MOST_OBJECT_ITEMS]
+            for row in item.reshape(-1)[:_MOST_ITEMS]
         ]
         return rows[0] if len(rows) == 1 else rows
     if item.dtype == object:
-        return [_as_tree(value, depth + 1) for value in item.reshape(-1, order="F")[:_MOST_OBJECT_ITEMS]]
+        return [_as_tree(value, depth + 1) for value in item.reshape(-1, order="F")[:_MOST_ITEMS]]
     if item.dtype.kind in "UST":
         return (
             str(item.reshape(-1)[0])
             if item.size == 1
-            else [str(text) for text in item.reshape(-1)[:_MOST_OBJECT_ITEMS]]
+            else [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
         )
     if item.dtype.kind not in "mM" or _is_calendar(item):
         return item
@@ -156,8 +160,6 @@ def _is_calendar(times: np.ndarray) -> bool:
 
 
 _SIGNATURE: Final = b"MATLAB 5.0"
-_DEEPEST: Final = 16
-_MOST_ITEMS: Final = 10_000  # of a cell array or a structure array
 
 
 def recognises(head: bytes) -> bool:
@@ -180,11 +182,7 @@ def read_matlab(path: Path, _delimiter: str | None = None) -> list[Columns]:
 
 def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy makes of a variable
     """Structures as mappings, cells and arrays of structures as lists, characters as text."""
-    if depth > _DEEPEST:
-        raise InputError(
-            f"Structures are nested more than {_DEEPEST} deep",
-            remedy="Save the channels as vectors",
-        )
+    _require_shallow(depth)
     if isinstance(item, Mapping):
         return {str(name): as_tree(value, depth + 1) for name, value in item.items()}
     if isinstance(item, np.ndarray) and item.dtype == object:

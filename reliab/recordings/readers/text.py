@@ -50,7 +50,7 @@ _STEP: Final = re.compile(r"dt|delta|time|.*(?:interval|period)$", re.IGNORECASE
 _STEP_TOLERANCE: Final = 1.01  # ratio of two statements of one step
 _HERTZ: Final = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "s/s": 1.0, "ks/s": 1e3, "sps": 1.0}
 _MOST_LINES: Final = 1000  # of a preamble in which a rate is looked for
-_PREAMBLE_LINES: Final = 8
+_HEADER_LINES: Final = 8
 _NAME_SEPARATORS: Final = ("\t", ";", ",", "  ", "")
 _TITLE: Final = re.compile(
     r"^(?:columns?|channels?|fields?|variables?|signals?|names?|header|units?)\s*[:=]\s*", re.IGNORECASE
@@ -75,7 +75,7 @@ def header_of(
     lines: Sequence[str], width: int, delimiter: str, *, decimal_comma: bool = False, location: str = ""
 ) -> Header:
     """Read the lines above a table of `width` columns."""
-    wide = [cells for line in lines[-_PREAMBLE_LINES:] if (cells := _names_in(line, width, delimiter))]
+    wide = [cells for line in lines[-_HEADER_LINES:] if (cells := _names_in(line, width, delimiter))]
     name_rows = [cells for cells in wide if not _is_units(cells)]
     units = next((cells for cells in reversed(wide[-2:]) if _is_units(cells)), ())
     telling = max(reversed(name_rows), key=_telling) if name_rows else ("",) * width
@@ -98,7 +98,7 @@ def header_of(
         named=bool(name_rows),
         statements=statements,
         sampling=_sampling(lines, delimiter, decimal_comma=decimal_comma),
-        unclear=_scales(lines[-_PREAMBLE_LINES:], statements, names, delimiter),
+        unclear=_scales(lines[-_HEADER_LINES:], statements, names, delimiter),
     )
 
 
@@ -251,7 +251,6 @@ _MOST_BYTES: Final = 400_000_000  # a text takes about seven times its size in m
 _DELIMITERS: Final = (";", "\t", ",", "")
 _LABEL = re.compile(r"^(?!(?:nan|null|none|inf)$)[a-z][a-z _]{2,}:?$", re.IGNORECASE)  # of a setting
 _LONGEST_PREAMBLE = 5_000_000  # characters
-_HEADER_LINES = 8
 _SAMPLE = 2000  # lines by which it is told how numbers are written
 _LONGEST_CELL = 40  # characters that a message repeats
 
