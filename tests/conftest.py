@@ -288,7 +288,7 @@ def decode_shipped_results_once():
 def disk_is_not_waited_for():
     """Files are written as ever, but no test waits until the disk has them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(os, "fsync", lambda descriptor: None)
+        patch.setattr(os, "fsync", lambda _descriptor: None)
         yield
 
 

@@ -7,6 +7,7 @@ of the file say from which file it was made (name and SHA-256), and by whom, on 
 that was stated. It is described on the page "Recordings" of the documentation.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -177,8 +178,6 @@ def _transformation(channel: Channel, unit: str) -> str:
 
 def _remaining_channels(histories: ChannelHistories, taken_names: set[str]) -> dict[str, Any]:
     """Channels of the source that were not needed, as they stand there, where they have the test's clock."""
-    import re
-
     columns, columns_used = histories.columns, {channel.column for channel in histories.channels.values()}
     lead = columns.series[next(iter(histories.channels[key].column for key in histories.values))]
     variables: dict[str, Any] = {}

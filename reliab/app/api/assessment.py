@@ -27,6 +27,7 @@ from reliab.app.declaration import asks
 from reliab.assessment.assess import AnyAssessment, assess as assess_recording
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.corrections import correct_recording, delays_of_filters
+from reliab.assessment.judged_test import verdict_table
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import write_table
@@ -361,7 +362,6 @@ def write_tests(tests: "Comparison | Iterable[Mapping[str, Any]]", out: str | Pa
     assessment, with its `file`; or `file` and `fault`.
     """
     from reliab.assessment.comparison import Comparison
-    from reliab.assessment.judged_test import verdict_table
 
     rows = tests.to_dataframe() if isinstance(tests, Comparison) else verdict_table(tests)
     require_ending(out, ".csv")

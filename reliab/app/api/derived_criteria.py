@@ -17,6 +17,8 @@ from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
+from reliab.core.vocabulary import Side
+from reliab.criterion.cautions import lognormality
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation, exact_share
 from reliab.criterion.distributions import Lognormal
@@ -145,8 +147,6 @@ def compare_candidates(result: Criteria) -> dict[str, Any]:
     Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
     `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
     """
-    import numpy as np
-
     dataset, criteria = result.ellipses, result.criteria
     if dataset is None:
         raise InputError(
@@ -180,8 +180,6 @@ def compare_candidates(result: Criteria) -> dict[str, Any]:
 def _distributions(
     dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
 ) -> list[dict[str, Any]]:
-    from reliab.criterion.cautions import lognormality
-    from reliab.criterion.population import sample_of
     from reliab.validation.comparison import compare_distributions
 
     sample = sample_of(
@@ -247,8 +245,6 @@ def draw_criteria(folder: Path, result: Criteria) -> list[str]:
 
 def _write_posteriors(folder: Path, derivations: "Sequence[Derivation]") -> list[str]:
     """Draw traces, ranks and pairs of every posterior, and keep its draws."""
-    from reliab.core.vocabulary import Side
-
     names = []
     for side_limits in (part for derivation in derivations for part in derivation.side_limits):
         if side_limits.posterior_sample is None:
@@ -267,7 +263,6 @@ def _list_values(dataset: "xr.Dataset", name: str) -> str:
 
 
 def _plane(dataset: "xr.Dataset", criteria: "Sequence[Criterion]", f: float, xi: float) -> "Figure":
-    from reliab.criterion.population import sample_of
     from reliab.report.figures.parameter_distributions import ellipses_and_criterion
     from reliab.report.style import VERMILION
 
@@ -292,8 +287,6 @@ def _plane(dataset: "xr.Dataset", criteria: "Sequence[Criterion]", f: float, xi:
 
 
 def _share_in_words(criterion: "Criterion") -> str:
-    from reliab.core.significant_digits import percent
-
     if criterion.population is None:
         return f"{criterion.law.name}, stated for {percent(criterion.confidence)} of motions"
     if criterion.promise is None:

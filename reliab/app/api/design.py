@@ -16,6 +16,7 @@ from reliab.core.shipped import or_shipped
 from reliab.core.significant_digits import percent
 from reliab.core.stated_value import StatedValue, as_names
 from reliab.core.vocabulary import Metric
+from reliab.sweep.ellipse_dataset import open_windows
 from reliab.sweep.results import REAL
 
 
@@ -127,7 +128,6 @@ def write_explorer(**request: Unpack[questions.ExplorerQuestion]) -> ExplorerPag
         If the ellipses cannot be read, a value is not allowed or the file cannot be written.
     """
     from reliab.explore.page import Settings, sort_by_length, write_page
-    from reliab.sweep.ellipse_dataset import open_windows
 
     out, ellipses = Path(request["out"]), Path(request["ellipses"] or REAL)
     windows = open_windows(or_shipped(ellipses, "datasets", "ellipses.nc"))

@@ -83,8 +83,6 @@ def ellipses(
     )
     thresholds = as_names((0.05,) if question["threshold"] is None else question["threshold"])
     if isinstance(source, str | Path) and (str(source) == REAL or Path(source).suffix in (".zarr", ".nc")):
-        from reliab.sweep.results import open_results
-
         source = open_results(source)
     if isinstance(source, xr.Dataset):
         if question["first_order"]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reliab.app import options, questions
+from reliab.app.api.arguments import refuse_stated
 from reliab.app.cli.commands import Request, files_of, takes
 from reliab.app.cli.output import (
     console,
@@ -54,8 +55,6 @@ class _OneTest(options.Tests, options.Check, options.Cover, options.Details, tot
 )
 def assess(request: Request) -> None:
     """Judge a test by its error, from command and measured displacement."""
-    from reliab.app.api.arguments import refuse_stated
-
     files = files_of(request.tests, request.out)
     has_several = len(files) != 1 or request.test_name == "all"
     if has_several and files:

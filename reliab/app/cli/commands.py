@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from reliab.app.api.arguments import refuse_unused
+from reliab.app.cli.output import progress_bar, speaking, write_json
 from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_options
 from reliab.app.options import HELP, PANELS, Json
 from reliab.core.errors import InputError
@@ -121,8 +122,6 @@ class Request:
 
         `content`: plain values of the answer; the other arguments are those of `ask`.
         """
-        from reliab.app.cli.output import write_json
-
         answer = self.ask(service, *uses, **arguments)
         target = self._values["json_target"]
         if target is None or not write_json(content(answer), target):
@@ -208,8 +207,6 @@ def takes(
                 values, options=options, given=given_names, write_as_options=say, belongs_to=needs
             )
             request.refuse_to_overwrite()
-            from reliab.app.cli.output import progress_bar, speaking
-
             with speaking(say), shows_tasks(progress_bar):
                 command(request)
 

@@ -9,7 +9,7 @@ from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, say_population, show_rows, show_table
 from reliab.core.columns import PLACE_COLUMNS, Columns, digits
 from reliab.core.significant_digits import counted, percent, significant
-from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
+from reliab.core.vocabulary import ERROR_NAMES, LABELS, MILLI, PERCENT, Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.design import Design
@@ -129,8 +129,6 @@ def _show_limits(
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Say what the limits and the error mean."""
-    from reliab.core.vocabulary import LABELS
-
     limit_definition = (
         "Each limit alone is that of a test without the other error; a test with both errors "
         "must lie inside the ellipse."

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
 import typer
 
 from reliab.app import declaration, options, questions
-from reliab.app.api.arguments import STATED_BY_MODEL
+from reliab.app.api.arguments import STATED_BY_MODEL, parse_threshold
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
 from reliab.app.cli.printable import printable
@@ -65,7 +65,6 @@ def _export(request: Request) -> None:
 
 
 def _follow(request: Request) -> None:
-    from reliab.app.api.arguments import parse_threshold
     from reliab.app.api.monitor import follow_test
 
     if request.source is None:

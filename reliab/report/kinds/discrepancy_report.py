@@ -17,6 +17,7 @@ from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table, provenance_of
+from reliab.report.kinds import discrepancy_figures as figures
 from reliab.report.kinds.discrepancy_outcome import (
     SIZE,
     advise_next_step,
@@ -125,8 +126,6 @@ def _method(remarks: Sequence[Prose]) -> Section:
 
 def location_section(diagnosis: Diagnosis) -> Section:
     """Show the block that fails, what its residuals vary with, and residuals over frequency and state."""
-    from reliab.report.kinds import discrepancy_figures as figures
-
     loop = figures.draw_or_skip("the loop", partial(figures.block_figure, diagnosis))
     blocks: list[Block] = [*loop, _places(diagnosis)]
     for block_diagnosis in diagnosis.blocks:
@@ -206,8 +205,6 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
 
 
 def _draw_posteriors(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Iterator[Block]:
-    from reliab.report.kinds import discrepancy_figures as figures
-
     for name, posterior in sampled.items():
         draw = partial(figures.posterior_figure, diagnosis, name, posterior)
         yield from figures.draw_or_skip("the posterior", draw)
@@ -295,8 +292,6 @@ def _calibration(diagnosis: Diagnosis) -> Table:
 
 def proof_section(diagnosis: Diagnosis) -> Section:
     """Show how much of the gap between model and measurement closes on held-out tests."""
-    from reliab.report.kinds import discrepancy_figures as figures
-
     gap = figures.draw_or_skip("the gap", partial(figures.gap_figure, diagnosis))
     blocks: list[Block] = [*_proof(diagnosis), *gap]
     for block_diagnosis in diagnosis.blocks:
