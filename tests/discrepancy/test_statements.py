@@ -113,8 +113,8 @@ def test_nothing_is_missing_only_where_every_block_is_at_its_noise(observed, ver
 
 @given(blocks())
 def test_a_gap_is_wholly_closed_only_at_the_noise(block):
-    block.effects = ()
-    sentence = _describe_closed_gap(SimpleNamespace(gap=block.gap, blocks=[block], effects=()))
+    block.effects, block.unknown = (), None
+    sentence = _describe_closed_gap(SimpleNamespace(gap=block.gap, blocks=[block], effects=(), unknown=None))
     assert block.gap.conclusion in sentence
     wholly = "100.0 % of the gap closed" in sentence or "at the level of the noise" in sentence
     assert not wholly or block.gap.is_noise_before or block.gap.remainder is Remainder.AT_NOISE

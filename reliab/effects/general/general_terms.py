@@ -23,6 +23,7 @@ _UNITS = {
     Role.PISTON: ("displacement", "m"),
     Role.DISPLACEMENT_READING: ("displacement", "m"),
 }
+_SUPERSCRIPTS = str.maketrans("0123456789.", "⁰¹²³⁴⁵⁶⁷⁸⁹·")
 _SIGN = -0.5  # stands for the sign function among the exponents of x and v
 
 
@@ -105,7 +106,7 @@ def monomial(
     scale = ((channel, 1.0), *((name, -float(power)) for name, power in powers.items() if power))
     parameter = Parameter(
         name="coefficient",
-        units=f"{unit}/({expression})",
+        units=_write_unit(unit, displacement=max(x, 0.0) + abs_x, velocity=max(v, 0.0) + abs_v, time=t),
         meaning=f"coefficient of {expression}",
         scale=scale,
         signed=True,
@@ -125,6 +126,27 @@ def monomial(
         "expression": expression,
     }
     return type("Term", (Monomial,), attributes)
+
+
+def _write_unit(unit: str, *, displacement: float, velocity: float, time: float) -> str:
+    """Write the unit of a coefficient of powers of displacement, velocity and time.
+
+    >>> _write_unit("N", displacement=2, velocity=1, time=0)
+    'N·s/m³'
+    >>> [_write_unit("m", displacement=1, velocity=0, time=time) for time in (0, 1)]
+    ['-', '1/s']
+    """
+    powers = {"m": displacement + velocity - (unit == "m"), "s": time - velocity}
+    above = ["N"] * (unit == "N") + [_raise(name, -power) for name, power in powers.items() if power < 0.0]
+    below = [_raise(name, power) for name, power in powers.items() if power > 0.0]
+    if not (above or below):
+        return "-"
+    denominator = f"({'·'.join(below)})" if len(below) > 1 else "".join(below)
+    return "·".join(above or ["1"]) + (f"/{denominator}" if below else "")
+
+
+def _raise(name: str, power: float) -> str:
+    return name if power == 1.0 else name + f"{power:g}".translate(_SUPERSCRIPTS)
 
 
 def _factor(symbol: str, exponent: float) -> str:

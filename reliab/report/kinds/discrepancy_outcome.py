@@ -31,6 +31,8 @@ def advise_next_step(diagnosis: Diagnosis) -> str:
             "measure a further test before model.toml is used: the posterior of its parameters has not "
             "converged, so that they are not known as well as they may seem"
         )
+    if diagnosis.verdict is Verdict.UNKNOWN_EFFECT and diagnosis.unknown and diagnosis.unknown.formula:
+        return "use the updated model, model.toml, which holds this term, and look for its cause"
     return _NEXT[diagnosis.verdict]
 
 
@@ -47,11 +49,16 @@ def verdict_in_words(diagnosis: Diagnosis) -> Prose:
         case Verdict.UNKNOWN_EFFECT:
             unknown = diagnosis.unknown
             first = "The model lacks *{names}*, and the" if names else "The"
+            formula = "" if unknown is None or not unknown.formula else f" ({unknown.formula})"
+            closed = f" {_describe_closed_gap(diagnosis)}" if formula else ""
             return prose(
-                first + " *{where}* has an effect that is none of the known ones: {description}.",
+                first
+                + " *{where}* has an effect that is none of the known ones: {description}{formula}.{closed}",
                 names=names,
                 where="" if unknown is None else unknown.block,
                 description="" if unknown is None else unknown.description,
+                formula=formula,
+                closed=closed,
             )
         case Verdict.NOT_IDENTIFIABLE:
             doubtful = " or ".join(spell_out(effect.name) for effect in diagnosis.doubtful)
@@ -63,9 +70,10 @@ def verdict_in_words(diagnosis: Diagnosis) -> Prose:
 
 def _describe_closed_gap(diagnosis: Diagnosis) -> str:
     """Say how much is explained, in the block of those with an effect of which least is."""
-    gaps = [block.gap for block in diagnosis.blocks if block.effects] or [diagnosis.gap]
+    gaps = [block.gap for block in diagnosis.blocks if block.effects or block.unknown] or [diagnosis.gap]
     gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
-    with_effects = "With it" if len(diagnosis.effects) == 1 else "With them"
+    is_one = len(diagnosis.effects) + (diagnosis.unknown is not None) == 1
+    with_effects = "With it" if is_one else "With them"
     of_all = (
         f"{with_effects} the error in {gap.channel} on held-out tests falls from "
         f"{write_share_of_signal(gap.before)} to {write_share_of_signal(gap.after)} of the "
