@@ -57,6 +57,7 @@ _RESONANCE_RATIOS, _LOWER_RATIOS, _UPPER_RATIOS = (
 _LEAD = 1e-5  # s
 _RANGE_EXCESS = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
+_FAR = 3.0  # standard deviations of the channels' skews, by which it may too
 
 
 def verdict_of_error(error: ErrorOfTest) -> Verdict:
@@ -168,9 +169,12 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
             remedy="Repeat the test with less actuator error, record the force with less lag, or calibrate a "
             "model of the specimen with `reliab diagnose`.",
         )
-    if specimen.late > _LATE:
+    late = specimen.test.late
+    channels = specimen.rebuilt.inferred.sizes
+    possible = math.hypot(late.deviation, channels.get("force_lag", 0.0), channels.get("time_shift", 0.0))
+    if late.value > max(_LATE, _FAR * possible):
         yield Contradiction(
-            finding=f"The recorded force seems {significant(MILLI * specimen.late, 2)} ms later than the "
+            finding=f"The recorded force seems {significant(MILLI * late.value, 2)} ms later than the "
             "displacement: no specimen that stores and dissipates energy gives such a force.",
             remedy="Measure the lag of the force against the displacement, and state it: `force_channel` "
             "lag_ms.",

@@ -198,15 +198,16 @@ def infer_errors(
 ) -> InferredError:
     """Infer the errors of all interface displacements.
 
-    `stride`: number of samples of which exact responses give one; `test`: of a nonlinear specimen, whose
-    channels show nothing of what is uncertain; linear by default.
+    `stride`: number of samples of which exact responses give one; `test`: of a nonlinear specimen, which has
+    evidence of its own; linear by default.
     """
     if test is not None:
         channels = replace(
             circumstances.channels, ground=None, force=None, initial_size=0.0, drift_size=np.zeros(1)
         )
-        circumstances = replace(circumstances, channels=channels, specimen_force=False)
-    posterior = infer(circumstances, draws=draws, seed=seed, from_channels=test is None)
+        circumstances = replace(circumstances, channels=channels)
+    evidence = None if test is None else test.evidence
+    posterior = infer(circumstances, draws=draws, seed=seed, evidence=evidence)
     errors = draw_errors(posterior, test)
     test = test or LinearTest(channels=circumstances.channels, partition=circumstances.partition)
     return InferredError(posterior=posterior, test=test, errors=errors, every=stride)

@@ -21,6 +21,7 @@ from functools import cached_property
 
 import numpy as np
 
+from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
@@ -145,6 +146,11 @@ class ModelledTest(SimulatedTest):
     model: HybridTest  # With a perfect actuator
     deviations: Mapping[str, float]  # Standard deviations of the model's parameters
     seed: int  # Of draws of the parameters
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """What the test shows of what is uncertain: nothing."""
+        return ()
 
     @cached_property
     def _motion(self) -> Motion3:

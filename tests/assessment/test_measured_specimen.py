@@ -1,6 +1,7 @@
 """The error of a test whose specimen is known by its recorded force only."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -420,15 +421,40 @@ def test_parts_between_load_cell_and_specimen_are_removed_and_widen(
 def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> None:
     test = _simulate_family("bilinear", 8, force_lag=lag)
     specimen = _learn_from(test)
-    assert specimen.late == pytest.approx(lag, abs=0.2e-3)
-    assert _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"])).late == pytest.approx(
-        0.0, abs=0.2e-3
-    )
+    assert specimen.test.late.value == pytest.approx(lag, abs=0.2e-3)
+    stated = _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"]))
+    assert stated.test.late.value == pytest.approx(lag - 0.002, abs=0.2e-3)
     message = [
         contradiction.finding
         for contradiction in check_specimen(SimpleNamespace(error=SimpleNamespace(specimen=specimen)))
     ]
     assert message == [] if lag == 0.0 else "ms later than the displacement" in message[0]
+
+
+def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> None:
+    """A displacement recorded early makes the force late, and the actuator too good; no specimen leads."""
+    test = _simulate_family("bilinear", 8)
+    times = _STEP * np.arange(test.measured.size)
+    early = replace(test, measured=np.interp(times + 2e-3, times, test.measured))
+    skew = PriorKnowledge(tolerances={"time_shift": 2e-3, "force_lag": 2e-3})
+    specimen = _learn_from(early, known=skew)
+    assert specimen.test.late.value == pytest.approx(2e-3, abs=0.2e-3)
+    posterior = specimen.rebuilt.inferred.posterior
+    # Two normal skews of 2 ms, apart by the lag that is seen and by what a half-normal damping hides of it
+    late, apart = specimen.test.late, np.linspace(-0.01, 0.03, 801)
+    lead = np.linspace(0.0, 0.03, 601)[:, np.newaxis]
+    seen = (late.value - apart + lead) / late.deviation
+    loss = lead * 2.0 * np.pi * test.loop.frequency / 0.04
+    weights = np.exp(-0.5 * (0.5 * (apart / 2e-3) ** 2 + seen**2 + loss**2)).sum(axis=0)
+    mean = 0.5 * weights @ apart / weights.sum()
+    assert posterior.means["time_shift"] == pytest.approx(-mean, rel=0.1)
+    assert posterior.means["force_lag"] == pytest.approx(mean, rel=0.1)
+    assert posterior.deviations["time_shift"] < 1.7e-3
+    verdict = SimpleNamespace(error=SimpleNamespace(specimen=specimen))
+    assert not [doubt for doubt in check_specimen(verdict) if "later" in doubt.finding]
+    size, ignored = specimen.rebuilt.rms, _learn_from(early).rebuilt.rms
+    assert size.low < test.error < size.high
+    assert abs(size.value - test.error) < 0.7 * abs(ignored.value - test.error)
 
 
 def test_a_channel_of_force_is_stated_name_by_name() -> None:

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.rebuilt import LinearTest, relative_errors
@@ -25,6 +26,10 @@ class TestedStructure(Protocol):
     @property
     def places(self) -> Array:
         """Numbers of the record's samples between those of `histories`, shape (n,)."""
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...] | None:
+        """What a test shows of what is uncertain; None where that are all of its channels."""
 
     def solve(self, world: Experiment, draw: int | None = None) -> Any:  # noqa: ANN401 - of its own kind
         """Solve for x_m − x_I and x_I; `draw`: number of a draw of what the world does not hold, if any."""

@@ -50,10 +50,36 @@ _LARGEST_MISFIT = 0.3  # of the forces, that one ground acceleration may leave u
 class Evidence(ABC):
     """One kind of evidence."""
 
+    farthest: float = np.inf  # Standard deviations of the stated frequency, beyond which it shows none
+
+    @abstractmethod
+    def whiten(self, experiment: Experiment) -> Array:
+        """Residual of a possible world over its standard deviation, shape (m,)."""
+
+    @abstractmethod
+    def update(self, experiment: Experiment) -> None:
+        """Estimate the variance of the residual anew, where it is not known."""
+
+    def log_likelihood(self, experiment: Experiment) -> float:
+        """Logarithm of the likelihood with the variances as estimated, but for a constant."""
+        return -0.5 * float(np.sum(self.whiten(experiment) ** 2)) - self.determinant(experiment)
+
+    def determinant(self, experiment: Experiment) -> float:  # noqa: ARG002 - which one kind asks
+        """Return what the logarithm of the likelihood loses beside the squares of the residual."""
+        return 0.0
+
+    def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
+        """Whether what this evidence assumes of the test holds, by the most probable world."""
+        return True
+
+
+@dataclass(kw_only=True, eq=False)
+class EvidenceOfChannels(Evidence):
+    """A residual over time and frequency."""
+
     channels: ChannelSpectra
     partition: Partition
     weight: float = 1.0  # Of its logarithm of the likelihood
-    farthest: float = np.inf  # Standard deviations of the stated frequency, beyond which it shows none
     _variance: Array = field(init=False)
 
     @cached_property
@@ -80,20 +106,11 @@ class Evidence(ABC):
 
     def log_likelihood(self, experiment: Experiment) -> float:
         """Logarithm of the likelihood with the variances as estimated, but for a constant."""
-        squares = self.cells(experiment) ** 2 / self._variance + np.log(self._variance)
-        return -0.5 * self.weight * float(squares.sum()) - self.determinant(experiment)
-
-    def determinant(self, experiment: Experiment) -> float:  # noqa: ARG002 - which one kind asks
-        """Return what the logarithm of the likelihood loses beside the squares of the residual."""
-        return 0.0
-
-    def holds(self, experiment: Experiment) -> bool:  # noqa: ARG002 - which some kinds ask
-        """Whether what this evidence assumes of the test holds, by the most probable world."""
-        return True
+        return super().log_likelihood(experiment) - 0.5 * self.weight * float(np.log(self._variance).sum())
 
 
 @dataclass(kw_only=True, eq=False)
-class BalanceOfForces(Evidence):
+class BalanceOfForces(EvidenceOfChannels):
     """Forces at the interface whose balance only the sensors' noise disturbs.
 
     Noise of one sensor disturbs the balance at several displacements. Balances are therefore mixed, at every
@@ -243,7 +260,7 @@ _STATIC_GRID = _Grid(np.zeros(1, dtype=np.complex128))
 
 
 @dataclass(kw_only=True, eq=False)
-class ImpliedGroundMotion(Evidence):
+class ImpliedGroundMotion(EvidenceOfChannels):
     """The ground motion that a test with one actuator implies, which was not recorded but is broad-band.
 
     The record is then an autoregressive process. The determinant of the map from ground motion to command is

@@ -28,6 +28,7 @@ class Experiment:
     ground_skew: float = 0.0  # Time by which it was recorded late [s]
     force_scale: float = 1.0  # Recorded force over the true one [-]
     force_skew: float = 0.0  # Time by which it was recorded late [s]
+    specimen_lead: float = 0.0  # Time by which its viscous damping makes a specimen's force early [s]
     attached_mass: float = 0.0  # Between load cell and specimen, beyond the stated one [kg]
     load_path_friction: float = 0.0  # Beyond the stated one [N]
     initial_displacement: float = 0.0  # Error of the command at the first sample [m]

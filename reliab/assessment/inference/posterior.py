@@ -95,11 +95,15 @@ _INFORMED_SHARE = 0.25  # of the variance a priori, that the channels take away
 
 
 def infer(
-    circumstances: Circumstances, *, draws: int = DRAWS, seed: int = 0, from_channels: bool = True
+    circumstances: Circumstances,
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+    evidence: tuple[Evidence, ...] | None = None,
 ) -> TestPosterior:
-    """Infer what is uncertain about a test from all of its channels, or leave it as it was before."""
+    """Infer what is uncertain about a test from some evidence, by default that of all of its channels."""
     unknowns = list_unknowns(circumstances)
-    evidence = collect_evidence(circumstances) if from_channels else ()
+    evidence = collect_evidence(circumstances) if evidence is None else evidence
     fit = _fit_posterior(circumstances, unknowns, evidence)
     holding = tuple(item for item in evidence if _holds(item, circumstances, unknowns, fit))
     if len(holding) < len(evidence):

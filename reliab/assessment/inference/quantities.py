@@ -164,6 +164,14 @@ QUANTITIES = (
         option="force_lag",
     ),
     Quantity(
+        name="specimen_lead",  # of the force before the displacement, by viscous damping
+        words="viscous damping of the specimen",
+        unit="ms",
+        remedy="Measure by how much the force is recorded late, and state it.",
+        change=_add_difference("specimen_lead"),
+        shape=Shape.POSITIVE,
+    ),
+    Quantity(
         name="attached_mass",  # that a learned specimen's force holds beyond the stated one
         words="mass between load cell and specimen",
         unit="kg",

@@ -13,6 +13,7 @@ another way, x_I = −h a; the difference of the two is what `EquationOfMotion` 
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -89,6 +90,7 @@ class LinearTest:
 
     channels: ChannelSpectra
     partition: Partition  # As stated
+    evidence: ClassVar[None] = None  # That of all channels
 
     @cached_property
     def places(self) -> Array:

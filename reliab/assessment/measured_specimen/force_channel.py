@@ -62,10 +62,15 @@ class ForceChannel:
         return np.array([self.lag_ms.value / MILLI, self.attached_kg.value, self.friction_n.value])
 
     @property
+    def has_lag(self) -> bool:
+        """Whether its lag is stated."""
+        return self.lag_ms != StatedValue(0.0)
+
+    @property
     def deviations_by_name(self) -> dict[str, float]:
-        """Standard deviations of the values, by names of quantities."""
+        """Standard deviations of what is stated, by names of quantities."""
         return {
-            "force_lag": self.lag_ms.deviation / MILLI,
+            **({"force_lag": self.lag_ms.deviation / MILLI} if self.has_lag else {}),
             "attached_mass": self.attached_kg.deviation,
             "load_path_friction": self.friction_n.deviation,
         }

@@ -17,19 +17,28 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, fit, weights_of
+from reliab.assessment.measured_specimen.learning import (
+    LearnedSpecimen,
+    MeasuredPath,
+    fit,
+    late_by,
+    weights_of,
+)
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.structures.partition import Partition
 
 _SAMPLE = 10  # members by whose differences the others are drawn apart
 _FARTHEST = 5.0  # times, by which they are drawn apart at most
 _SEED = 21
 
+_LOSS = 0.04  # loss factor of a specimen by viscous damping, as of a damping ratio of 2 %
 _LEAST = 0.05  # of a positive value: a draw goes no lower
 _DEVIATION_FACTOR = 3.0  # κ: relative deviation of the acting force over what is missed of held-out parts
 _ALWAYS = 0.002  # relative deviation of the acting force where nothing is missed, unless it is linear
@@ -148,6 +157,27 @@ class LearnedTest(SimulatedTest):
         """Share of the draws of each family, shape (families,)."""
         return weights_of(self.learned)
 
+    @cached_property
+    def late(self) -> StatedValue:
+        """Time by which the force seems late, beyond what is stated [s]."""
+        return late_by(self.path, self.learned[0], self.added[0])
+
+    @property
+    def evidence(self) -> "tuple[PassiveSpecimen, ...]":
+        """What the force shows of the channels: that of a passive specimen is never late."""
+        return (PassiveSpecimen(test=self),)
+
+    @property
+    def deviations_by_name(self) -> dict[str, float]:
+        """Standard deviations of what the force holds beside that of a passive specimen, by names."""
+        usual_lead = _LOSS / (2.0 * np.pi * float(self.whole.natural_frequencies[0]))
+        lead = float(np.hypot(usual_lead, min(self.late.value, 0.0)))
+        return {**self.channel.deviations_by_name, "specimen_lead": lead}
+
+    def lag_of_force(self, world: Experiment) -> float:
+        """Time by which the force was recorded later than the displacement, beyond what is stated [s]."""
+        return world.force_skew - (0.0 if self.channel.has_lag else float(world.skew[0]))
+
     @property
     def unexplained_force(self) -> float:
         """Relative deviation of the force by which the actuator's error acts, RMS over the families [-]."""
@@ -229,16 +259,17 @@ class LearnedTest(SimulatedTest):
             family = int(generator.choice(len(self.learned), p=self.weights))
             counts, chance = generator.exponential(size=counts.size), float(generator.standard_normal())
         members, measured = self._members[family], self.displacement(world)
-        deviations = np.array([world.force_skew, world.attached_mass, world.load_path_friction])
+        lag, mass_and_friction = self.lag_of_force(world), [world.attached_mass, world.load_path_friction]
         target_force = self.path.force_seen
-        if deviations.any():
-            target_force = target_force - deviations @ self.path.thin(self.added)
+        if lag or any(mass_and_friction):
+            target_force = target_force - np.array([lag, *mass_and_friction]) @ self.path.thin(self.added)
+        felt = np.array([lag if self.channel.has_lag else 0.0, *mass_and_friction])
         numerical, mass = self._recursion(world), max(world.force_scale, _LEAST)
         for far in (0.0,) if draw is None else (members.spread_factor, 0.0):
             member, command_force = members.member(counts, target_force, far)
             specimen = replace(member, coefficients=member.coefficients / mass)
             force = self._acting(specimen, measured, command_force / mass, chance)
-            force = self._record_force(force, measured, self.channel.values + deviations)
+            force = self._record_force(force, measured, self.channel.values + felt)
             response = self._respond(specimen, self._late(force, world.feedback_lag), numerical)
             if np.isfinite(response).all():
                 break
@@ -286,6 +317,25 @@ class LearnedTest(SimulatedTest):
             force += off * draw.specimen.missed * float(np.std(force))
             work = self.work_of(draw.specimen, draw.measured, draw.response, mass=world.force_scale)
             yield self.structure(world), draw.response[np.newaxis], force[np.newaxis], work + off * scatter
+
+
+@dataclass(kw_only=True, eq=False)
+class PassiveSpecimen(Evidence):
+    """A specimen that stores and dissipates, whose force is not later than its motion.
+
+    A force that is recorded late by some time shows channels that are so far apart; by more, where viscous
+    damping makes the force early.
+    """
+
+    test: "LearnedTest"
+
+    def whiten(self, experiment: Experiment) -> Array:
+        """Compare the lag of the force with that of a possible world, shape (1,)."""
+        late, lag = self.test.late, self.test.lag_of_force(experiment) - experiment.specimen_lead
+        return np.array([(late.value - lag) / late.deviation])
+
+    def update(self, experiment: Experiment) -> None:
+        """Leave the deviation as it is, which is that of the lag."""
 
 
 def _deviation(specimen: LearnedSpecimen) -> float:

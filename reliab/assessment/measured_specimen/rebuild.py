@@ -21,7 +21,7 @@ from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circum
 from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
-from reliab.assessment.measured_specimen.learning import MeasuredPath, late_by, learn_specimen
+from reliab.assessment.measured_specimen.learning import MeasuredPath, learn_specimen
 from reliab.assessment.parts import (
     AMPLITUDE,
     DELAY,
@@ -81,7 +81,6 @@ class MeasuredSpecimen:
     force: Array  # Force that the specimen would have had along the exact response [N], shape (n,)
     fed_back: Array  # Force that it had along the measured displacement [N], shape (n,)
     work: float  # That would have been done on it [J]
-    late: float  # Time by which the force seems to follow the displacement late, beyond what is stated [s]
     beyond: float  # How far the exact response leaves the range of the measured one, over the range [-]
 
     @property
@@ -270,7 +269,9 @@ def _conclude(
     specimens = test.learned
     inferred = infer_errors(
         replace(
-            circumstances, left_by_faults={**circumstances.left_by_faults, **test.channel.deviations_by_name}
+            circumstances,
+            specimen_force=True,
+            tolerances={**circumstances.tolerances, **test.deviations_by_name},
         ),
         test.every,
         test.seed,
@@ -293,7 +294,6 @@ def _conclude(
         force=test.interpolate(test.force_of(specimens[0], responses[0])),
         fed_back=test.interpolate(test.force_of(specimens[0], test.measured)),
         work=test.work_of(specimens[0], test.measured, responses[0]),
-        late=late_by(test.path, specimens[0], test.added[0]),
         beyond=_range_excess(responses[0], test.measured),
     )
 
