@@ -13,7 +13,6 @@ from typing import Final, Self
 
 import numpy as np
 
-from reliab.assessment.rebuilt_error.kernel import SmoothingKernel
 from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.tracking_index import is_noisier
 from reliab.core.arrays import Array
@@ -23,7 +22,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.recording import Recording
 from reliab.signals.cubic_path import CubicPath
-from reliab.signals.spectra import detrend
+from reliab.signals.spectra import convolve_valid, detrend
 from reliab.structures.structure import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
@@ -117,6 +116,39 @@ def require_restoring_force(
     if stiffness:
         _require_unit(examined, stiffness, name, linear=linear, is_stiffness_fitted=is_stiffness_fitted)
     return examined
+
+
+_PERIODS_OF_KERNEL = 0.5
+_SAMPLES_PER_PERIOD = 24.0  # samples of the equation in a period
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SmoothingKernel:
+    """φ and its first two derivatives, and the sampling of the convolved histories."""
+
+    values: tuple[Array, Array, Array]
+    time_step: float
+    every: int
+
+    @classmethod
+    def from_frequency(cls, frequency: float, step: float) -> "SmoothingKernel":
+        """Make the kernel of half a period of a natural frequency [Hz] for a step [s]."""
+        reach = max(round(_PERIODS_OF_KERNEL / (frequency * step)), 8)
+        u = np.arange(-reach, reach + 1) / reach
+        # φ = (1 − u²)⁶ and its derivatives by u
+        flank = 1.0 - u**2
+        first = -12.0 * u * flank**5
+        second = -12.0 * flank**5 + 120.0 * u**2 * flank**4
+        rate = 1.0 / (reach * step)
+        return cls(
+            values=(flank**6 / reach, first * rate / reach, second * rate**2 / reach),
+            time_step=step,
+            every=max(int(1.0 / (_SAMPLES_PER_PERIOD * frequency * step)), 1),
+        )
+
+    def smooth_derivative(self, history: Array, order: int) -> Array:
+        """Convolve a history with φ⁽ᵏ⁾, which gives its smoothed k-th derivative."""
+        return convolve_valid(history, self.values[order])[:: self.every]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

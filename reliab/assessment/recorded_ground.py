@@ -14,8 +14,7 @@ import numpy as np
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.evidence import interface_forces, main_frequency
 from reliab.assessment.inference.structure_response import respond
-from reliab.assessment.rebuilt_error.kernel import SmoothingKernel, fit_equation
-from reliab.assessment.recorded_force import other_unit_of_force, unit_like
+from reliab.assessment.recorded_force import SmoothingKernel, other_unit_of_force, unit_like
 from reliab.assessment.verdict import Contradiction
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
@@ -250,18 +249,17 @@ def require_unit_of_force(
     late = kernel.smooth_derivative(recording.force, 0) - feedback_lag * kernel.smooth_derivative(
         recording.force, 1
     )
-    columns = np.stack([late / mass, np.ones(late.size)])
+    columns = np.stack([late / mass, np.ones(late.size)], axis=1)
     shaken = kernel.smooth_derivative(recording.ground, 0)
     for required_acceleration in (
         -computed_acceleration - shaken,
         -computed_acceleration + shaken,
     ):  # also where the ground acceleration is reversed
-        (factor, _), _, residual = fit_equation(columns, required_acceleration, kernel)
-        if (
-            np.linalg.norm(residual) <= _LARGEST_MISFIT * np.linalg.norm(required_acceleration)
-            and factor > 0.0
-        ):
-            ratio = 1.0 / float(factor)
+        values = np.linalg.lstsq(columns, required_acceleration, rcond=None)[0]
+        unexplained = np.linalg.norm(required_acceleration - columns @ values)
+        factor = float(values[0])
+        if unexplained <= _LARGEST_MISFIT * np.linalg.norm(required_acceleration) and factor > 0.0:
+            ratio = 1.0 / factor
             if unit_like(ratio, tolerance=_SAME_FORCE):
                 raise other_unit_of_force(ratio, recording.name)
 

@@ -40,8 +40,6 @@ class SpecimenCheck:
     share: float  # RMS of the force that only nonlinear shapes predict, over the RMS of the force [-]
     # Share of the linear specimen's squared residual that they remove on data that were not fitted [-]
     gain: float
-    # RMS of the force that a linear specimen leaves over, over the RMS of the force [-]
-    linear_residual: float
 
 
 def examine_specimen(
@@ -89,7 +87,7 @@ def examine_specimen(
     )
     power = float(target @ target)
     if not power > 0.0:
-        return SpecimenCheck(nonlinear=False, share=0.0, gain=0.0, linear_residual=0.0)
+        return SpecimenCheck(nonlinear=False, share=0.0, gain=0.0)
     explained_share = max(plain - rich, 0.0)
     gain = explained_share / plain if plain > 0.0 else 0.0
     share = float(np.sqrt(explained_share / power))
@@ -97,7 +95,6 @@ def examine_specimen(
         nonlinear=bool(gain > _GAIN and share > _LEAST),
         share=share,
         gain=gain,
-        linear_residual=float(np.sqrt(plain / power)),
     )
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import scipy
 
-from reliab.assessment.rebuilt_error.kernel import SmoothingKernel
 from reliab.assessment.rebuilt_error.readings import delay_history
 from reliab.assessment.rebuilt_error.size import (
     LARGEST_DRAW_SIZE,
     require_fitting,
     samples_in_step_of_structure,
 )
+from reliab.assessment.recorded_force import SmoothingKernel
 from reliab.core.errors import InputError
 from reliab.signals.spectra import analyse, average_over_bins, synthesise
 from reliab.structures.partition import Partition
