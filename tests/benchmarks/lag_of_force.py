@@ -17,7 +17,7 @@ from reliab import load_motions
 from reliab.assessment.measured_specimen.rebuild import rebuild_with_force
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
-from reliab.study.folders import PACKAGE
+from reliab.study.description import PACKAGE
 
 simulated_tests = import_module(f"{PACKAGE}.measured_specimen.simulated_tests")
 
