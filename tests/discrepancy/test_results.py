@@ -176,6 +176,14 @@ def test_sampled_interval_is_widened_by_differing_models():
     assert estimate.interval == pytest.approx((5.0 - reach, 5.0 + reach))
 
 
+@pytest.mark.parametrize(
+    ("lower", "signed", "least"), [(-1e-9, True, 0.0), (-0.9, True, -0.5), (0.0, False, 0.0)]
+)
+def test_interval_ends_at_the_bounds_of_the_parameter(lower, signed, least):
+    share = Estimate(name="share", value=0.0, sd=0.1, units="-", signed=signed, bounds=(lower, 1.0))
+    assert share.within_bounds((-0.5, 2.0)) == (least, 1.0)
+
+
 @pytest.mark.parametrize("rivals", [(), (Rival(name="hysteresis", probability=0.4, held_out_nrmse=0.2),)])
 def test_an_effect_names_its_likeliest_rival_where_it_has_one(rivals):
     reference = remark(missing().name, 0.6, ("hysteresis", 0.4) if rivals else None)

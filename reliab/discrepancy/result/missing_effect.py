@@ -94,7 +94,9 @@ class Estimate(PlainResult):
     def within_bounds(self, interval: tuple[float, float]) -> tuple[float, float]:
         """Cut an interval at the ends of the range, below zero too unless it is signed."""
         least, largest = self.bounds
-        return max(interval[0], least if self.signed else max(least, 0.0)), min(interval[1], largest)
+        if not self.signed or -_NOTHING < least < 0.0:
+            least = max(least, 0.0)
+        return max(interval[0], least), min(interval[1], largest)
 
     @property
     def size(self) -> str:
