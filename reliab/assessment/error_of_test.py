@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
 from reliab.assessment.recorded_force import stiffness_from_mass
-from reliab.assessment.recorded_ground import ShownGround, examine_ground, examine_ground_by_force
+from reliab.assessment.recorded_ground import ShownGround, examine_ground
 from reliab.assessment.uncertainty_budget import BudgetItem, Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -396,12 +396,12 @@ def error_of_test(
         recording.time_step,
         structure,
         to_interface=question.to_interface if isinstance(recording, CoupledRecording) else None,
-        ground=recording.ground if question.linear else None,
-        force=_force_over_mass(recording, question),
+        ground=recording.ground if question.model is None else None,
+        force=_channel_of_force(recording, question),
         sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
         resolution=question.resolution,
     )
-    ground = _examine_ground(recording, question, readings)
+    ground = examine_ground(recording, readings.channels, structure, feedback_lag=lag)
     left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
@@ -428,11 +428,13 @@ def _true_channels(
     return replace(recording, command=straighten(recording.command), measured=straighten(recording.measured))
 
 
-def _force_over_mass(recording: Recording | CoupledRecording, question: Question) -> Array | None:
-    """Return the force of a linear specimen over the stated mass [N/kg]; None where one is not known."""
-    if isinstance(recording, CoupledRecording) or recording.force is None:
+def _channel_of_force(recording: Recording | CoupledRecording, question: Question) -> Array | None:
+    """Return the recorded force [N], of a specimen that is taken as linear over the mass [N/kg], if known."""
+    if isinstance(recording, CoupledRecording) or recording.force is None or question.model is not None:
         return None
-    return recording.force / question.mass if question.linear and question.mass is not None else None
+    if question.measured_specimen:
+        return recording.force
+    return None if question.mass is None else recording.force / question.mass
 
 
 def _rebuild(
@@ -454,20 +456,6 @@ def _rebuild(
         specimen = rebuild_learned(readings, force, channel, circumstances, seed=question.seed)
         return specimen.rebuilt, specimen
     return readings.rebuilt(infer_errors(circumstances, readings.stride, question.seed)), None
-
-
-def _examine_ground(
-    recording: Recording | CoupledRecording, question: Question, readings: Readings
-) -> ShownGround:
-    """Examine the recorded ground acceleration; of a measured specimen by its force."""
-    if question.model is not None:
-        return ShownGround()
-    lag = question.feedback_lag
-    if isinstance(recording, Recording) and not question.linear:
-        return examine_ground_by_force(
-            recording, question.full_structure, mass=question.mass or 1.0, feedback_lag=lag
-        )
-    return examine_ground(recording, readings.channels, question.full_structure, feedback_lag=lag)
 
 
 def _open_filter(recording: Recording | CoupledRecording, question: Question) -> dict[str, float]:

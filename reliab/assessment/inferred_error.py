@@ -202,9 +202,7 @@ def infer_errors(
     evidence of its own; linear by default.
     """
     if test is not None:
-        channels = replace(
-            circumstances.channels, ground=None, force=None, initial_size=0.0, drift_size=np.zeros(1)
-        )
+        channels = replace(circumstances.channels, initial_size=0.0, drift_size=np.zeros(1))
         circumstances = replace(circumstances, channels=channels)
     evidence = None if test is None else test.evidence
     posterior = infer(circumstances, draws=draws, seed=seed, evidence=evidence)

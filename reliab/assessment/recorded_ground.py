@@ -312,26 +312,6 @@ def _other_ground(best: _GroundFit, lowest: float, *, has_force: bool) -> Contra
     )
 
 
-def examine_ground_by_force(
-    recording: Recording, structure: Partition, *, mass: float, feedback_lag: float
-) -> ShownGround:
-    """Compare a test of any specimen with its recorded ground acceleration.
-
-    `mass` [kg] by which a recorded force is divided; `feedback_lag` [s].
-    """
-    if recording.ground is None:
-        return ShownGround()
-    channels = ChannelSpectra.from_channels(
-        recording.command[np.newaxis],
-        recording.measured[np.newaxis],
-        recording.time_step,
-        structure,
-        ground=recording.ground,
-        force=None if recording.force is None else recording.force[np.newaxis] / mass,
-    )
-    return examine_ground(recording, channels, structure, feedback_lag=feedback_lag)
-
-
 def doubts_of_ground(recording: Recording, structure: Structure, mass: float) -> tuple[str, ...]:
     """Say whether the recorded ground acceleration is reversed, in another unit, or not this test's.
 
@@ -339,8 +319,16 @@ def doubts_of_ground(recording: Recording, structure: Structure, mass: float) ->
     """
     if recording.duration * structure.frequency < _FEWEST_PERIODS:
         return ()
+    channels = ChannelSpectra.from_channels(
+        recording.command[np.newaxis],
+        recording.measured[np.newaxis],
+        recording.time_step,
+        whole_structure(structure),
+        ground=recording.ground,
+        force=None if recording.force is None else recording.force[np.newaxis] / mass,
+    )
     try:
-        shown = examine_ground_by_force(recording, whole_structure(structure), mass=mass, feedback_lag=0.0)
+        shown = examine_ground(recording, channels, whole_structure(structure), feedback_lag=0.0)
     except InputError as error:
         return (f"{error.rule}; found {error.value}. {error.remedy}.",)
     return shown.notes

@@ -30,6 +30,8 @@ from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
+from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
@@ -455,6 +457,35 @@ def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> No
     size, ignored = specimen.rebuilt.rms, _learn_from(early).rebuilt.rms
     assert size.low < test.error < size.high
     assert abs(size.value - test.error) < 0.7 * abs(ignored.value - test.error)
+
+
+def test_ground_acceleration_beside_a_force_shows_damping_and_lag_of_any_specimen() -> None:
+    test = _simulate_family("Bouc-Wen", 8)
+    times, late = _STEP * np.arange(test.force.size), 1.5e-3
+    recording = Recording(
+        command=test.command,
+        measured=test.measured,
+        force=np.interp(times - late, times, test.force),
+        ground=-_load()[: test.force.size],
+        time_step=_STEP,
+    )
+    loop = test.loop
+    stated_values = {"f": loop.frequency, "alpha": loop.share, "mass": 1.0, "specimen": "measured"}
+    ratio = 0.85 * loop.damping_ratio
+    error = assess(recording, xi=StatedValue(ratio, 0.2 * ratio), skew=StatedValue(0.0, 1.0), **stated_values)
+    posterior = error.error.rebuilt.inferred.posterior
+    assert posterior.means["damping_ratio"] == pytest.approx(1.0 / 0.85 - 1.0, abs=0.03)
+    assert posterior.deviations["damping_ratio"] < 0.05
+    assert posterior.means["force_lag"] == pytest.approx(late, abs=0.3e-3)
+    blind = assess(
+        replace(recording, ground=None),
+        xi=StatedValue(ratio, 0.2 * ratio),
+        skew=StatedValue(0.0, 1.0),
+        **stated_values,
+    )
+    sizes = [judged.error.rebuilt.rms for judged in (error, blind)]
+    assert sizes[0].high - sizes[0].low < 0.9 * (sizes[1].high - sizes[1].low)
+    assert sizes[0].low < test.error < sizes[0].high
 
 
 def test_a_channel_of_force_is_stated_name_by_name() -> None:

@@ -29,6 +29,7 @@ ROWS = {
     "ground_force": {"specimen": "linear", "ground": True, "force": True},
     "defaults": {},
     "nonlinear_force": {"force": True, "yielding": True},
+    "nonlinear_force_ground": {"force": True, "ground": True, "yielding": True},
     "nonlinear": {"yielding": True},
 }
 EXCITATIONS = ("earthquake", "harmonic", "sweep", "white", "pulse", "free")

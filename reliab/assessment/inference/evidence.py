@@ -406,6 +406,24 @@ def main_frequency(channels: ChannelSpectra) -> float:
 
 
 @dataclass(kw_only=True, eq=False)
+class EquationWithForce(EvidenceOfChannels):
+    """The equation of motion with the recorded force of any specimen, against the ground acceleration."""
+
+    def spectrum(self, experiment: Experiment) -> Spectrum:
+        """Residual of the equation [N], shape (p, K)."""
+        channels, command = self.channels, self.channels.interface_command
+        response = respond(experiment.structure(self.partition), channels.band)
+        force, ground = experiment.force(channels), experiment.ground(channels)
+        if force is None or ground is None:
+            raise AssertionError  # it compares the two
+        square = (channels.band.s * channels.band.record_step) ** 2
+        foreseen = interface_forces(response.impedance, experiment.integration * square * command)
+        felt = force * channels.band.advance(-experiment.feedback_lag) + foreseen
+        numerical = interface_forces(response.stiffness - response.impedance, command)
+        return np.asarray(numerical + felt + response.ground_load.T * ground)
+
+
+@dataclass(kw_only=True, eq=False)
 class SpecimenForce(BalanceOfForces):
     """The recorded force against that of the specimen as stated, Z x_m.
 

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from reliab.assessment.inference.evidence import Evidence
+from reliab.assessment.inference.evidence import EquationWithForce, Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
@@ -163,9 +163,12 @@ class LearnedTest(SimulatedTest):
         return late_by(self.path, self.learned[0], self.added[0])
 
     @property
-    def evidence(self) -> "tuple[PassiveSpecimen, ...]":
-        """What the force shows of the channels: that of a passive specimen is never late."""
-        return (PassiveSpecimen(test=self),)
+    def evidence(self) -> tuple[Evidence, ...]:
+        """What force and ground acceleration show: a passive specimen is never late."""
+        passive = PassiveSpecimen(test=self)
+        if self.channels.ground is None:
+            return (passive,)
+        return passive, EquationWithForce(channels=self.channels, partition=self.whole)
 
     @property
     def deviations_by_name(self) -> dict[str, float]:

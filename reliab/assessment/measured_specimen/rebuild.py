@@ -207,7 +207,7 @@ def rebuild_learned(
             histories, force, recorded_force - channel.values @ channel_columns, stride, noise, structure
         )
         test = LearnedTest(
-            channels=readings.channels,
+            channels=circumstances.channels,
             recorded_command=command,
             every=stride,
             path=path,
