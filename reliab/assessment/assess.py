@@ -162,8 +162,8 @@ def assess(
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
     judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
-    if assumed and judged.error.inferred is not None:
-        question, assumed = _take_shown_damping(question, judged.error.inferred.posterior)
+    if assumed and judged.error.posterior is not None:
+        question, assumed = _take_shown_damping(question, judged.error.posterior)
         judged = replace(judged, question=question)
     if question.measured_specimen and not measured_specimen:
         assumed = (*assumed, _LEARNED_NOTE)
@@ -256,8 +256,8 @@ def _judge(
         nonlinear = looks_nonlinear(sound, question.structure)
     error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
     equation = OwnEquation(notes=error.ground.notes, doubts=error.ground.doubts)
-    if error.inferred is not None:
-        posterior, structure = error.inferred.posterior, question.structure
+    if (posterior := error.posterior) is not None:
+        structure = question.structure
         equation = compare_with_stated(posterior, structure, error.ground, asked.stated, nonlinear=nonlinear)
     return JudgedError(
         recording=recording,

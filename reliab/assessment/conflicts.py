@@ -147,7 +147,8 @@ def open_exact(
             for quantity in QUANTITIES
             if quantity.name in names and quantity.name not in stated and sizes[quantity.name]
         }
-        yield infer(replace(known, learned={**priors, **known.learned})), tuple(priors)
+        opened = replace(known, learned={**priors, **known.learned})
+        yield infer(opened, evidence=tuple(replace(item) for item in posterior.evidence)), tuple(priors)
 
 
 def identify_structure(shown: Sequence[TestPosterior], structure: Structure, misfit: float) -> Identification:

@@ -14,6 +14,7 @@ from reliab.assessment.budget.sizes import (
     tolerances_of_structure,
 )
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
+from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.parts import ErrorPart, Parts
@@ -214,6 +215,12 @@ class ErrorOfTest(PlainResult):
     def inferred(self) -> InferredError | None:
         """What the channels show of everything that is uncertain; None where the specimen is not linear."""
         return None if self.modelled or self.specimen is not None else self.rebuilt.inferred
+
+    @property
+    def posterior(self) -> TestPosterior | None:
+        """What the channels show of the structure; None where only the specimen's force shows something."""
+        inferred = self.rebuilt.inferred if self.ground.fits and not self.modelled else self.inferred
+        return None if inferred is None else inferred.posterior
 
     @property
     def specimen_known(self) -> str:

@@ -477,6 +477,10 @@ def test_ground_acceleration_beside_a_force_shows_damping_and_lag_of_any_specime
     assert posterior.means["damping_ratio"] == pytest.approx(1.0 / 0.85 - 1.0, abs=0.03)
     assert posterior.deviations["damping_ratio"] < 0.05
     assert posterior.means["force_lag"] == pytest.approx(late, abs=0.3e-3)
+    unstated = assess(recording, **stated_values).to_dict()["error"]["identified"]["damping_ratio"]
+    assert unstated["value"] == pytest.approx(loop.damping_ratio, rel=0.03)
+    slip = assess(recording, xi=StatedValue(5.0 * ratio, 0.5 * ratio), **stated_values)
+    assert "damping ratio" in slip.to_dict()["error"]["contradictions"][0]
     blind = assess(
         replace(recording, ground=None),
         xi=StatedValue(ratio, 0.2 * ratio),
