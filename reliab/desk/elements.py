@@ -12,8 +12,7 @@ from panel.custom import JSComponent
 
 from reliab.core.files import LIMITS
 from reliab.core.significant_digits import percent
-from reliab.desk.jobs import Job
-from reliab.desk.memory import PageMemory
+from reliab.desk.jobs import Job, PageMemory
 
 WEB: Final = Path(__file__).parent / "web"
 """Style, scripts and template."""

@@ -1,15 +1,19 @@
-"""Long work in processes of its own, with progress and a way to end it.
+"""Long work in processes of its own, with progress and a way to end it; what pages remember of it.
 
 A worker imports the package once, judges the shipped test to load its kernels, and then waits for work. To
 cancel is to end the process: nothing of the work remains, and a new worker takes its place.
 """
 
 import os
+import re
+import secrets
 import subprocess
 import sys
 import threading
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from pickle import UnpicklingError
 from typing import Any, Final
 
@@ -165,3 +169,36 @@ def _take_message(job: Job, kind: str, content: Any) -> None:  # noqa: ANN401 - 
     elif not job.is_over:
         setattr(job, "outcome" if kind == "finished" else "refusal", content)
         job.state = kind
+
+
+_KEY: Final = re.compile(r"[A-Za-z0-9_-]{16,64}")
+_MOST_TABS: Final = 50
+
+
+@dataclass(kw_only=True, eq=False)
+class PageMemory:
+    """What one page of one tab remembers."""
+
+    values: dict[str, Any] = field(default_factory=dict)  # Of its fields
+    files: list[Path] = field(default_factory=list)  # That were dropped on it
+    jobs: dict[str, Job] = field(default_factory=dict)  # By what they are for
+    place: Path | None = None  # Folder of its results
+
+
+class Memories:
+    """Pages by tab; the tabs that were not used for longest are forgotten first."""
+
+    def __init__(self) -> None:
+        self._tabs: OrderedDict[str, dict[str, PageMemory]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def find_tab(self, key: str) -> tuple[str, dict[str, PageMemory]]:
+        """Return the pages of a tab by its key, which is made where it is none that the desk gave."""
+        with self._lock:
+            if not _KEY.fullmatch(key) or key not in self._tabs:
+                key = secrets.token_urlsafe(16)
+                self._tabs[key] = {}
+            self._tabs.move_to_end(key)
+            while len(self._tabs) > _MOST_TABS:
+                self._tabs.popitem(last=False)
+            return key, self._tabs[key]

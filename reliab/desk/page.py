@@ -13,8 +13,7 @@ import panel as pn
 from reliab.core.errors import InputError
 from reliab.desk.elements import button, downloads, html, progress_html, refusal
 from reliab.desk.folder import DeskFolder
-from reliab.desk.jobs import Job, Jobs
-from reliab.desk.memory import PageMemory
+from reliab.desk.jobs import Job, Jobs, PageMemory
 
 _PARTS: Final = ("command", "measured", "time", "force", "ground")
 _NUMBERS: Final = ("threshold", "wait")  # arguments without a standard deviation

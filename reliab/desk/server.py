@@ -17,8 +17,7 @@ from tornado.web import Application, RedirectHandler
 from reliab.core.errors import InputError
 from reliab.desk.elements import WEB
 from reliab.desk.folder import DeskFolder
-from reliab.desk.jobs import Jobs
-from reliab.desk.memory import Memories, PageMemory
+from reliab.desk.jobs import Jobs, Memories, PageMemory
 from reliab.desk.page import REFRESH, Desk, Page
 from reliab.desk.pages import PAGES
 

@@ -14,8 +14,7 @@ from reliab.app.cli import application, run
 from reliab.app.cli.commands import as_options
 from reliab.core.errors import InputError
 from reliab.desk import jobs as desk_jobs
-from reliab.desk.jobs import Jobs
-from reliab.desk.memory import Memories
+from reliab.desk.jobs import Jobs, Memories
 from reliab.desk.work import look_at
 
 PATIENCE = 120.0
