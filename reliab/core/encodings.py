@@ -1,9 +1,11 @@
-"""Text between programs: UTF-8, UTF-16 as on Windows or Latin-1, and cells that are no formulas."""
+"""Text between programs: UTF-8, UTF-16 or Latin-1; no cell is a formula, and no name steers a terminal."""
 
 import codecs
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import IO
 
 from reliab.core.files import ordinary
 
@@ -91,3 +93,29 @@ def as_cell(text: str) -> str:
 def restore_cell(cell: str) -> str:
     """Read what :func:`as_cell` wrote."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+
+
+def printable(text: str) -> str:
+    r"""Name characters that would steer a terminal, turn the order of a line, or cannot be written.
+
+    >>> print(printable("red \x1b[31m"))
+    red \x1b[31m
+    """
+    return "".join(
+        character.encode("unicode_escape").decode() if _steers(character) else character for character in text
+    )
+
+
+def substitute_characters(text: str, stream: IO[str]) -> str:
+    """Put what a stream writes for characters that it lacks, so that columns are as wide as they will be."""
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return text.encode(encoding, getattr(stream, "errors", None) or "surrogatepass").decode(
+        encoding, "surrogatepass"
+    )
+
+
+def _steers(character: str) -> bool:
+    if character in "\n\t":
+        return False
+    turns = "\u202a" <= character <= "\u202e" or "\u2066" <= character <= "\u2069"
+    return turns or unicodedata.category(character) in {"Cc", "Cs", "Zl", "Zp"}

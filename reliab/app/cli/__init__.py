@@ -23,9 +23,9 @@ import typer
 
 from reliab.app.cli.commands import OUTPUT_OPTIONS, Command, Group, as_options
 from reliab.app.cli.output import replace_unwritable_characters
-from reliab.app.cli.printable import printable, substitute_characters
 from reliab.app.declaration import UNITS, remove_units
 from reliab.core.described_files import read_toml
+from reliab.core.encodings import printable, substitute_characters
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from reliab.app.cli.printable import printable, substitute_characters
+from reliab.core.encodings import printable, substitute_characters
 
 _WIDEST_TABLE = 100_000
 

@@ -13,9 +13,9 @@ from reliab.app import declaration, options, questions
 from reliab.app.api.arguments import STATED_BY_MODEL, parse_threshold
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, write_json
-from reliab.app.cli.printable import printable
 from reliab.app.declaration import argument, group
 from reliab.app.options import OUTPUT
+from reliab.core.encodings import printable
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable
 from reliab.core.significant_digits import decimals_of_uncertainty, percent, percent_with_interval

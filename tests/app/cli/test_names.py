@@ -12,7 +12,7 @@ from motions.conftest import AT2
 
 from reliab.app.cli import run
 from reliab.app.cli.output import console, show_table
-from reliab.app.cli.printable import printable
+from reliab.core.encodings import printable
 from reliab.sweep.ellipse_dataset import write_ellipses
 
 NAMES = {

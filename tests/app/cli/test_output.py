@@ -16,7 +16,7 @@ from parsed import nodes
 import reliab
 from reliab.app.cli import main, take_help_literally
 from reliab.app.cli.output import replace_unwritable_characters
-from reliab.app.cli.printable import printable
+from reliab.core.encodings import printable
 from reliab.version import __version__
 
 STRUCTURE = ["--f", "1", "--xi", "0.02"]
