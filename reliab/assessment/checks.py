@@ -169,7 +169,7 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
             remedy="Repeat the test with less actuator error, record the force with less lag, or calibrate a "
             "model of the specimen with `reliab diagnose`.",
         )
-    late = specimen.test.late
+    late = specimen.test.apparent_lag
     channels = specimen.rebuilt.inferred.sizes
     possible = math.hypot(late.deviation, channels.get("force_lag", 0.0), channels.get("time_shift", 0.0))
     if late.value > max(_LATE, _FAR * possible):

@@ -423,9 +423,9 @@ def test_parts_between_load_cell_and_specimen_are_removed_and_widen(
 def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> None:
     test = _simulate_family("bilinear", 8, force_lag=lag)
     specimen = _learn_from(test)
-    assert specimen.test.late.value == pytest.approx(lag, abs=0.2e-3)
+    assert specimen.test.apparent_lag.value == pytest.approx(lag, abs=0.2e-3)
     stated = _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"]))
-    assert stated.test.late.value == pytest.approx(lag - 0.002, abs=0.2e-3)
+    assert stated.test.apparent_lag.value == pytest.approx(lag - 0.002, abs=0.2e-3)
     message = [
         contradiction.finding
         for contradiction in check_specimen(SimpleNamespace(error=SimpleNamespace(specimen=specimen)))
@@ -440,10 +440,10 @@ def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> No
     early = replace(test, measured=np.interp(times + 2e-3, times, test.measured))
     skew = PriorKnowledge(tolerances={"time_shift": 2e-3, "force_lag": 2e-3})
     specimen = _learn_from(early, known=skew)
-    assert specimen.test.late.value == pytest.approx(2e-3, abs=0.2e-3)
+    assert specimen.test.apparent_lag.value == pytest.approx(2e-3, abs=0.2e-3)
     posterior = specimen.rebuilt.inferred.posterior
     # Two normal skews of 2 ms, apart by the lag that is seen and by what a half-normal damping hides of it
-    late, apart = specimen.test.late, np.linspace(-0.01, 0.03, 801)
+    late, apart = specimen.test.apparent_lag, np.linspace(-0.01, 0.03, 801)
     lead = np.linspace(0.0, 0.03, 601)[:, np.newaxis]
     seen = (late.value - apart + lead) / late.deviation
     loss = lead * 2.0 * np.pi * test.loop.frequency / 0.04

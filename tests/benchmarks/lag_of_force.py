@@ -50,7 +50,7 @@ def find_lag(test, lag):
     measured = np.interp(times + lag, times, test.measured)
     return rebuild_with_force(
         test.command, measured, test.force, STEP, Partition.from_structure(structure)
-    ).test.late
+    ).test.apparent_lag
 
 
 def main():

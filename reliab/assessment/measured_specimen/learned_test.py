@@ -8,6 +8,10 @@ Members are those that other parts of a test would have found: blocks of it have
 coefficients are fitted and the traits of laws move. What parts leave open of a law that is wrong is less than
 what the law misses: members are drawn apart until the forces of two differ by what held-out parts are missed
 by (inflation of parameter uncertainties, Pernot 2017, Journal of Chemical Physics 147, 104102).
+
+A force that was recorded late against the displacement looks as if the specimen gave energy away. No passive
+one does: the lag is that of the channels, or larger where viscous damping hides a part of it. Beside the
+ground acceleration, the recorded force shows the structure and its own lag, whatever the specimen does.
 """
 
 from collections.abc import Iterable, Iterator
@@ -24,8 +28,8 @@ from reliab.assessment.measured_specimen.force_channel import ForceChannel, colu
 from reliab.assessment.measured_specimen.learning import (
     LearnedSpecimen,
     MeasuredPath,
+    estimate_lag,
     fit,
-    late_by,
     weights_of,
 )
 from reliab.assessment.rebuilt_error.recursion import Recursion
@@ -158,9 +162,9 @@ class LearnedTest(SimulatedTest):
         return weights_of(self.learned)
 
     @cached_property
-    def late(self) -> StatedValue:
+    def apparent_lag(self) -> StatedValue:
         """Time by which the force seems late, beyond what is stated [s]."""
-        return late_by(self.path, self.learned[0], self.added[0])
+        return estimate_lag(self.path, self.learned[0], self.added[0])
 
     @property
     def evidence(self) -> tuple[Evidence, ...]:
@@ -174,7 +178,7 @@ class LearnedTest(SimulatedTest):
     def deviations_by_name(self) -> dict[str, float]:
         """Standard deviations of what the force holds beside that of a passive specimen, by names."""
         usual_lead = _LOSS / (2.0 * np.pi * float(self.whole.natural_frequencies[0]))
-        lead = float(np.hypot(usual_lead, min(self.late.value, 0.0)))
+        lead = float(np.hypot(usual_lead, min(self.apparent_lag.value, 0.0)))
         return {**self.channel.deviations_by_name, "specimen_lead": lead}
 
     def lag_of_force(self, world: Experiment) -> float:
@@ -334,8 +338,8 @@ class PassiveSpecimen(Evidence):
 
     def whiten(self, experiment: Experiment) -> Array:
         """Compare the lag of the force with that of a possible world, shape (1,)."""
-        late, lag = self.test.late, self.test.lag_of_force(experiment) - experiment.specimen_lead
-        return np.array([(late.value - lag) / late.deviation])
+        apparent, lag = self.test.apparent_lag, self.test.lag_of_force(experiment)
+        return np.array([(apparent.value + experiment.specimen_lead - lag) / apparent.deviation])
 
     def update(self, experiment: Experiment) -> None:
         """Leave the deviation as it is, which is that of the lag."""
