@@ -444,12 +444,19 @@ def _plane(assessment: Assessment) -> Figure:
     )
 
 
+_SPECIMENS = {
+    "stated": "a linear structure with the stated properties",
+    "modelled": "a structure with the specimen of the model",
+    "measured": "a structure with the specimen learned from its force",
+}
+
+
 def _cautions(assessment: Assessment) -> list[Prose]:
     warnings = () if assessment.placement else assessment.criterion.provenance.warnings
     return [
         *remarks(assessment, *warnings),
         prose(
-            "The error is that of a linear structure with the stated properties, whatever the actuator did; "
+            f"The error is that of {_SPECIMENS[assessment.error.specimen_known]}, whatever the actuator did; "
             "$A$ and $d$ do not describe friction, backlash or saturation."
         ),
     ]
