@@ -173,7 +173,11 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
     slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
     least = best.held_out
     unchanging: list[tuple[type[Effect], float, float]] = []
-    while idle := _idle(search, rows, best, proof, min(slack * least, _least_of_rivals(search, rows, best))):
+    while True:
+        limit = max(_least_of_rivals(search, rows, best), (1.0 + NO_CHANGE) * best.held_out)
+        idle = _idle(search, rows, best, proof, min(slack * least, limit))
+        if idle is None:
+            break
         kind, smaller = idle
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
