@@ -14,7 +14,6 @@ from reliab.assessment.budget.sizes import (
     tolerances_of_structure,
 )
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.parts import ErrorPart, Parts
@@ -37,6 +36,7 @@ from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
+    from reliab.assessment.inference.posterior import TestPosterior
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -217,7 +217,7 @@ class ErrorOfTest(PlainResult):
         return None if self.modelled or self.specimen is not None else self.rebuilt.inferred
 
     @property
-    def posterior(self) -> TestPosterior | None:
+    def posterior(self) -> "TestPosterior | None":
         """What the channels show of the structure; None where only the specimen's force shows something."""
         inferred = self.rebuilt.inferred if self.ground.fits and not self.modelled else self.inferred
         return None if inferred is None else inferred.posterior
