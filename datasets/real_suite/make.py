@@ -18,20 +18,17 @@ import xarray as xr
 import reliab
 from reliab.motions.loading import load_motions
 from reliab.motions.motion import Motion
-from reliab.sweep.ellipse_dataset import measure_cut_records, write_ellipses
+from reliab.sweep.cut_records import measure_cut_records
+from reliab.sweep.ellipse_dataset import write_ellipses
 from reliab.sweep.ellipse_table import measure_responses
 from reliab.sweep.labels import outlines_of
 from reliab.sweep.netcdf import pack, write_netcdf
 from reliab.sweep.request import SweepRequest
 from reliab.sweep.results import open_results, write_compact
 from reliab.sweep.results_accessor import ResultsAccessor, contours_of
-from reliab.tracking.boundary.first_order import (
-    DIRECTIONS,
-    FirstOrderEllipse,
-    predict_ellipse,
-    scales_of_contour,
-)
-from reliab.tracking.indices.response_error import Window
+from reliab.tracking.boundary.finite_errors import DIRECTIONS, predict_ellipse, scales_of_contour
+from reliab.tracking.boundary.first_order import FirstOrderEllipse
+from reliab.tracking.indices.window import Window
 
 HERE = Path(__file__).parent
 FREQUENCIES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0)
