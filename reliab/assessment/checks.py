@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from reliab.assessment.conflicts import FAR
 from reliab.assessment.error_of_test import ErrorOfTest, error_of_test
 from reliab.assessment.inference.posterior import favours_frequency
 from reliab.assessment.judged_test import JudgedError
@@ -57,7 +58,6 @@ _RESONANCE_RATIOS, _LOWER_RATIOS, _UPPER_RATIOS = (
 _LEAD = 1e-5  # s
 _RANGE_EXCESS = 0.1  # of the measured range, by which the exact response may leave it
 _LATE = 5e-4  # s, by which a force may seem late
-_FAR = 3.0  # standard deviations of the channels' skews, by which it may too
 
 
 def verdict_of_error(error: ErrorOfTest) -> Verdict:
@@ -172,7 +172,7 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
     late = specimen.test.apparent_lag
     channels = specimen.rebuilt.inferred.sizes
     possible = math.hypot(late.deviation, channels.get("force_lag", 0.0), channels.get("time_shift", 0.0))
-    if late.value > max(_LATE, _FAR * possible):
+    if late.value > max(_LATE, FAR * possible):
         yield Contradiction(
             finding=f"The recorded force seems {significant(MILLI * late.value, 2)} ms later than the "
             "displacement: no specimen that stores and dissipates energy gives such a force.",

@@ -16,7 +16,9 @@ from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
-_FAR = 3.0  # standard deviations of what the prior lets expect
+FAR = 3.0
+"""Standard deviations of what the prior lets expect, beyond which a value is contradicted."""
+
 _STRUCTURE_OPTIONS = ("f", "xi", "alpha")
 _ERROR_OPTIONS = (*_STRUCTURE_OPTIONS, "scale", "skew", "filter_delay", "feedback_lag", "hysteresis")
 _UNITS = {"f": " Hz", "mass": " kg"}
@@ -75,7 +77,7 @@ def find_conflicts(
         exactness = _EXACTNESS[unknown.name] / unknown.prior.deviation if opened else 1.0
         far = shown.conflict(unknown, exactness)
         two_sided = unknown.prior.shape in (Shape.NORMAL, Shape.LOGNORMAL)
-        if far > _FAR or (two_sided and far < -_FAR):
+        if far > FAR or (two_sided and far < -FAR):
             option = unknown.quantity.option
             yield Contradiction(
                 finding=_finding(unknown, shown, structure, stated_values, is_exact=bool(opened)),

@@ -219,7 +219,7 @@ class ErrorOfTest(PlainResult):
     @property
     def posterior(self) -> "TestPosterior | None":
         """What the channels show of the structure; None where only the specimen's force shows something."""
-        inferred = self.rebuilt.inferred if self.ground.fits and not self.modelled else self.inferred
+        inferred = self.rebuilt.inferred if self.ground.fits else self.inferred
         return None if inferred is None else inferred.posterior
 
     @property

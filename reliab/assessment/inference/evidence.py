@@ -219,17 +219,26 @@ class BalanceOfForces(EvidenceOfChannels):
         return super().log_likelihood(experiment) + self.weight * float(self._level.sum())
 
 
-def residual(channels: ChannelSpectra, partition: Partition, experiment: Experiment) -> Spectrum:
-    """Residual of the equation of motion [N], shape (p, K)."""
+def residual(
+    channels: ChannelSpectra, partition: Partition, experiment: Experiment, force: Spectrum | None = None
+) -> Spectrum:
+    """Residual of the equation of motion [N], shape (p, K).
+
+    `force` of the specimen [N], by default that of the stated one along the measured displacement.
+    """
     response = respond(experiment.structure(partition), channels.band)
     command = channels.interface_command
     ground = experiment.ground(channels)
     driven = command if ground is None else command + response.ground.T * ground
-    difference = command - experiment.late(experiment.reading(channels), channels)
+    foreseen = command
     if experiment.integration:
         square = (channels.band.s * channels.band.record_step) ** 2
-        difference = difference - experiment.integration * square * command
-    acting = interface_forces(response.impedance, difference)
+        foreseen = command - experiment.integration * square * command
+    if force is None:
+        difference = foreseen - experiment.late(experiment.reading(channels), channels)
+        acting = interface_forces(response.impedance, difference)
+    else:
+        acting = interface_forces(response.impedance, foreseen) - experiment.late(force, channels)
     if experiment.slip is not None:
         acting = acting + interface_forces(response.impedance, experiment.slip)
     return np.asarray(interface_forces(response.stiffness, driven) - acting)
@@ -411,16 +420,7 @@ class EquationWithForce(EvidenceOfChannels):
 
     def spectrum(self, experiment: Experiment) -> Spectrum:
         """Residual of the equation [N], shape (p, K)."""
-        channels, command = self.channels, self.channels.interface_command
-        response = respond(experiment.structure(self.partition), channels.band)
-        force, ground = experiment.force(channels), experiment.ground(channels)
-        if force is None or ground is None:
-            raise AssertionError  # it compares the two
-        square = (channels.band.s * channels.band.record_step) ** 2
-        foreseen = interface_forces(response.impedance, experiment.integration * square * command)
-        felt = force * channels.band.advance(-experiment.feedback_lag) + foreseen
-        numerical = interface_forces(response.stiffness - response.impedance, command)
-        return np.asarray(numerical + felt + response.ground_load.T * ground)
+        return residual(self.channels, self.partition, experiment, experiment.force(self.channels))
 
 
 @dataclass(kw_only=True, eq=False)

@@ -68,11 +68,11 @@ class Experiment:
         actuator_displacements /= self.scale[:, np.newaxis]
         return np.asarray(channels.to_interface @ actuator_displacements)
 
-    def late(self, displacement: Spectrum, channels: ChannelSpectra) -> Spectrum:
-        """Displacement whose force the loop received [m], shape (p, K)."""
+    def late(self, motion: Spectrum, channels: ChannelSpectra) -> Spectrum:
+        """Displacement [m], or force [N], of the instant whose force the loop received, shape (p, K)."""
         if not self.feedback_lag:
-            return displacement
-        return np.asarray(displacement * channels.band.advance(-self.feedback_lag))
+            return motion
+        return np.asarray(motion * channels.band.advance(-self.feedback_lag))
 
     def ground(self, channels: ChannelSpectra) -> Spectrum | None:
         """Return the true ground acceleration [m/s²], shape (K,); None where it was not recorded."""

@@ -12,7 +12,7 @@ about their start, and the best of them are improved by the method of Levenberg 
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial, reduce
 
@@ -359,7 +359,8 @@ def _learn_family(
     bears = coefficients * sizes > _LEAST_PART
     coefficients[bears] = fit(responses[bears], target_force)
     bears &= coefficients > 0.0
-    held_out = _held_out_misfit(responses[bears], target_force, path.blocks)
+    fits = _fit_without_quarters(responses[bears], target_force, path.blocks)
+    held_out = _held_out_misfit(responses[bears], target_force, fits)
     borne, share = elements.only(bears), coefficients[bears] * sizes[bears]
     return LearnedSpecimen(
         family=family,
@@ -379,18 +380,19 @@ def estimate_lag(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> 
     """
     force, lag = path.force_seen, path.thin(late)
     rows = np.vstack([path.responses(specimen.elements), lag, -lag])
-    has_rate = np.isin(specimen.elements.kinds, (Kind.DASHPOT, Kind.MAXWELL))
+    is_viscous = np.isin(specimen.elements.kinds, (Kind.DASHPOT, Kind.MAXWELL))
     power = float(lag @ lag)
 
-    def value(weights: Array | None = None) -> float:
-        *coefficients, behind, ahead = fit(rows, force, weights)
-        viscous_force = np.array(coefficients)[has_rate] @ rows[:-2][has_rate]
-        return float(behind - ahead + viscous_force @ lag / power)
+    def value(coefficients: Array) -> float:
+        viscous_force = coefficients[:-2][is_viscous] @ rows[:-2][is_viscous]
+        return float(coefficients[-2] - coefficients[-1] + viscous_force @ lag / power)
 
-    quarters = [value(weights) for weights in _training_weights(path.blocks)]
-    missed = _beyond_noise(_held_out_misfit(rows, force, path.blocks), path)
+    fits = list(_fit_without_quarters(rows, force, path.blocks))
+    scatter = float(np.std([value(coefficients) for coefficients, _ in fits]))
+    missed = _beyond_noise(_held_out_misfit(rows, force, fits), path)
     unclear = (_SHARE_MISSED * missed + _LEAST_MISSED) * math.sqrt(float(force @ force) / power)
-    return StatedValue(value(), math.hypot(float(np.std(quarters)) * math.sqrt(_QUARTERS - 1.0), unclear))
+    deviation = math.hypot(scatter * math.sqrt(_QUARTERS - 1.0), unclear)
+    return StatedValue(value(fit(rows, force)), deviation)
 
 
 def _beyond_noise(held_out: float, path: MeasuredPath) -> float:
@@ -398,16 +400,19 @@ def _beyond_noise(held_out: float, path: MeasuredPath) -> float:
     return math.sqrt(max(held_out**2 - (_NOISIER * path.noisy) ** 2, 0.0))
 
 
-def _training_weights(blocks: NDArray[np.int64]) -> Iterator[Array]:
-    """Weights of samples without each quarter of the test."""
+def _fit_without_quarters(
+    rows: Array, target_force: Array, blocks: NDArray[np.int64]
+) -> Iterator[tuple[Array, Array]]:
+    """Fit to the test without each quarter; give coefficients and the weights of samples in the fit."""
     for quarter in range(_QUARTERS):
-        yield (blocks % _QUARTERS != quarter).astype(np.float64)
+        training_weights = (blocks % _QUARTERS != quarter).astype(np.float64)
+        yield fit(rows, target_force, training_weights), training_weights
 
 
-def _held_out_misfit(rows: Array, target_force: Array, blocks: NDArray[np.int64]) -> float:
-    """RMS of what quarters leave unexplained that had no part in the fit, over that of the force."""
+def _held_out_misfit(rows: Array, target_force: Array, fits: Iterable[tuple[Array, Array]]) -> float:
+    """RMS of what quarters leave unexplained that had no part in their fit, over that of the force."""
     squares = 0.0
-    for training_weights in _training_weights(blocks):
-        residual = target_force - fit(rows, target_force, training_weights) @ rows
+    for coefficients, training_weights in fits:
+        residual = target_force - coefficients @ rows
         squares += float(np.sum((1.0 - training_weights) * residual**2))
     return float(np.sqrt(squares / np.sum(target_force**2)))
