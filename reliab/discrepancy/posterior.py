@@ -91,8 +91,8 @@ class LikelihoodSurface:
         residuals = simulate_residuals(problem, fit, self.coordinates(points)) - _sketch_error(problem, fit)
         loss = 0.5 * ((residuals**2).sum(axis=1) + (self.coordinates(points) ** 2).sum(axis=1))
         far = (loss - loss.min()) / (_FAR * points.shape[1])
-        features = _features(points) / np.sqrt(1.0 + far**2)[:, np.newaxis]
-        residuals /= np.sqrt(1.0 + far**2)[:, np.newaxis]
+        weights = 1.0 / np.sqrt(1.0 + far[:, np.newaxis] ** 2)
+        features, residuals = weights * _features(points), weights * residuals
         products, moments = features.T @ features, features.T @ residuals
         if self.products is not None and self.moments is not None:
             products, moments = self.products + products, self.moments + moments
