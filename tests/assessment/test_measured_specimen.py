@@ -442,12 +442,12 @@ def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> No
     specimen = _learn_from(early, known=skew)
     assert specimen.test.apparent_lag.value == pytest.approx(2e-3, abs=0.2e-3)
     posterior = specimen.rebuilt.inferred.posterior
-    # Two normal skews of 2 ms, apart by the lag that is seen and by what a half-normal damping hides of it
+    # Two normal skews of 2 ms, apart by the lag that is seen and by what an exponential damping hides of it
     late, apart = specimen.test.apparent_lag, np.linspace(-0.01, 0.03, 801)
     lead = np.linspace(0.0, 0.03, 601)[:, np.newaxis]
     seen = (late.value - apart + lead) / late.deviation
     loss = lead * 2.0 * np.pi * test.loop.frequency / 0.04
-    weights = np.exp(-0.5 * (0.5 * (apart / 2e-3) ** 2 + seen**2 + loss**2)).sum(axis=0)
+    weights = np.exp(-0.5 * (0.5 * (apart / 2e-3) ** 2 + seen**2) - loss).sum(axis=0)
     mean = 0.5 * weights @ apart / weights.sum()
     assert posterior.means["time_shift"] == pytest.approx(-mean, rel=0.1)
     assert posterior.means["force_lag"] == pytest.approx(mean, rel=0.1)

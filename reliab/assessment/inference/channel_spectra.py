@@ -19,7 +19,8 @@ _TAIL = (1.25, 0.95)  # of the band's edge and of the Nyquist frequency: between
 _FEWEST_BINS = 16
 _COLLINEAR = 1e-6  # of the largest singular value, below which a sine gives gain and curvature alike
 _MEANS = 3.0  # standard errors
-_WIDTH = 3e-3  # of the span, at which the effect of a sensor's hysteresis is taken
+# Of a sensor's hysteresis over the span, at which its effect is computed; between them it is interpolated
+_WIDTHS = np.array([0.0, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3])
 _LEAST_NOISE = 1e-9  # of a channel's motion: sensors with less are taken to have that much
 
 
@@ -50,7 +51,7 @@ class ChannelSpectra:
     noise: Array  # Variance of a sample of the displacement sensors' noise [m²], shape (p,)
     constant: Spectrum  # Of a channel that is 1 throughout, shape (K,)
     ramp: Spectrum  # Of one that rises from −½ to ½ over the record
-    hysteresis: Spectrum  # What a sensor's hysteresis of width 1 (of its span) adds [m]
+    follows: Spectrum  # The part that follows the commands by constant gains, delays and curvatures [m]
     to_interface: Array  # Interface displacements of unit displacements at the actuators [-], shape (p, p)
     offset_size: Array  # Standard deviation of the offset that the readings may have [m], shape (p,)
     drift_size: Array  # Size of its rise over the test [m], shape (p,)
@@ -101,7 +102,8 @@ class ChannelSpectra:
         )
         places = np.linspace(-0.5, 0.5, command.shape[-1])
         command_spectrum, read = band.spectrum(command), band.spectrum(measured_displacement)
-        tracked_spectrum, noise_left = _remove_noise(band, command_spectrum, read, noise, hop)
+        follows, directions = _follow(command_spectrum, read, band)
+        tracked_spectrum, noise_left = _remove_noise(band, follows, directions, read, noise, hop)
         drift = np.abs(_rises_of_difference(command, measured_displacement, time_step))
         return cls(
             band=band,
@@ -113,7 +115,7 @@ class ChannelSpectra:
             noise=noise,
             constant=band.spectrum(np.ones(command.shape[-1])),
             ramp=band.spectrum(places),
-            hysteresis=-band.spectrum(np.apply_along_axis(lag_of_reading, -1, measured_displacement, _WIDTH)),
+            follows=follows,
             to_interface=np.eye(len(command)) if interface_matrix is None else interface_matrix,
             offset_size=np.zeros(len(command)) if offset_size is None else offset_size,
             drift_size=drift + _MEANS * np.sqrt(12.0 * noise / command.shape[-1]),
@@ -122,6 +124,26 @@ class ChannelSpectra:
             force=None if force is None else band.spectrum(force),
             standing=standing,
         )
+
+    def hysteresis_lag(self, width: Array) -> Spectrum:
+        """By how much sensors lag behind their motion [m], shape (p, K).
+
+        `width` of their hysteresis over the span [-], shape (p,).
+        """
+        place, actuators = (
+            np.clip(np.searchsorted(_WIDTHS, width) - 1, 0, _WIDTHS.size - 2),
+            np.arange(width.size),
+        )
+        share = (width - _WIDTHS[place]) / (_WIDTHS[place + 1] - _WIDTHS[place])
+        low, high = self._hysteresis_lags[place, actuators], self._hysteresis_lags[place + 1, actuators]
+        return np.asarray(low + share[:, np.newaxis] * (high - low))
+
+    @cached_property
+    def _hysteresis_lags(self) -> Spectrum:
+        """The same at each of the widths, shape (widths, p, K), along what follows the commands."""
+        motion = self.band.full_history(self.follows)
+        lags = [width * np.apply_along_axis(lag_of_reading, -1, motion, width) for width in _WIDTHS]
+        return self.band.spectrum(np.array(lags))
 
     def draw_noise(self, generator: np.random.Generator) -> Spectrum:
         """Draw the noise that may be left in `tracked` [m], shape (p, K)."""
@@ -178,7 +200,12 @@ def rounding_noise(values: Array, resolution: float) -> float:
 
 
 def _remove_noise(
-    band: AnalysisBand, command: Spectrum, measured_displacement: Spectrum, noise: Array, hop: int
+    band: AnalysisBand,
+    follows: Spectrum,
+    directions: Spectrum,
+    measured_displacement: Spectrum,
+    noise: Array,
+    hop: int,
 ) -> tuple[Spectrum, "NoiseLeft"]:
     """Free measured displacements of the sensors' noise.
 
@@ -186,9 +213,8 @@ def _remove_noise(
     commands, so that its loss where the motion is weak would look like damping. The rest passes Wiener's
     filter over time and frequency. Several channels are mixed before it such that neither their noise nor
     their rest has a covariance between them: what two parallel actuators do alike cancels in the rotation.
-    Returns also the noise that is left.
+    Returns also the noise that is left. `follows`, `directions`: see :func:`_follow`.
     """
-    follows, directions = _follow(command, measured_displacement, band)
     rest = band.history(measured_displacement - follows)
     deviation = np.sqrt(noise * band.noise_gain)
     least = _LEAST_NOISE * band.history(measured_displacement).std(axis=-1) + np.finfo(float).tiny

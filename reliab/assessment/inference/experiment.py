@@ -59,11 +59,9 @@ class Experiment:
         return self._displacement(channels, channels.measured)
 
     def _displacement(self, channels: ChannelSpectra, read: Spectrum) -> Spectrum:
-        additions = (
-            self.offset[:, np.newaxis] * channels.constant
-            + self.drift[:, np.newaxis] * channels.ramp
-            + self.hysteresis[:, np.newaxis] * channels.hysteresis
-        )
+        additions = self.offset[:, np.newaxis] * channels.constant + self.drift[:, np.newaxis] * channels.ramp
+        if self.hysteresis.any():
+            additions -= channels.hysteresis_lag(self.hysteresis)
         actuator_displacements = (read - additions) * channels.band.advance(self.skew)
         actuator_displacements /= self.scale[:, np.newaxis]
         return np.asarray(channels.to_interface @ actuator_displacements)

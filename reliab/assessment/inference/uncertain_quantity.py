@@ -30,7 +30,7 @@ class Shape(StrEnum):
 
     NORMAL = "normal"  # deviation·z
     LOGNORMAL = "lognormal"  # the factor exp(deviation·z), less one
-    POSITIVE = "positive"  # deviation·z with z above zero, half-normal
+    POSITIVE = "positive"  # exponential, the least informative of a positive value with a known mean
     EITHER = "either"  # nothing or the whole, one as likely as the other, with little between them
 
 
@@ -55,8 +55,10 @@ class Prior:
     def value(self, z: float) -> float:
         """Return the difference from the stated value at a standard normal variable."""
         match self.shape:
-            case Shape.NORMAL | Shape.POSITIVE:
+            case Shape.NORMAL:
                 return self.mean + self.deviation * z
+            case Shape.POSITIVE:  # of a half-normal z
+                return -self.deviation * (float(scipy.special.log_ndtr(-z)) + math.log(2.0))
             case Shape.LOGNORMAL:
                 return math.expm1(self.mean + self.deviation * z)
             case Shape.EITHER:

@@ -71,6 +71,35 @@ def test_ground_acceleration_shows_frequency_and_damping(late_test):
     assert posterior.deviations["frequency"] < 0.05 * 0.02
 
 
+def play(motion, width):
+    """Readings of a sensor whose loop is as wide as a share of the span."""
+    radius, reading = 0.5 * width * np.ptp(motion), [motion[0]]
+    for place in motion[1:]:
+        reading.append(min(max(reading[-1], place - radius), place + radius))
+    return np.array(reading)
+
+
+def test_hysteresis_of_a_sensor_is_mistaken_for_nothing_else():
+    """It swallows the small motions at a record's end, and makes the large ones before them late."""
+    ground = earthquake(duration=30.0, time_step=STEP, seed=1)
+    ground *= np.exp(-np.arange(ground.size) * STEP / 4.0) + 0.01
+    loop = {"frequency": 3.0, "damping_ratio": 0.04, "gain": 0.99, "delay": 0.004}
+    test = simulate(**loop, ground=ground, time_step=STEP)
+    noise = 0.002 * test.measured.std() * np.random.default_rng(1).normal(size=test.measured.size)
+    plain, played = (
+        infer(
+            circumstances_of(
+                replace(test, measured=reading + noise), f=3.0, xi=0.04, equipment=ordinary_equipment()
+            ),
+            draws=100,
+        )
+        for reading in (test.measured, play(test.measured, 0.004))
+    )
+    assert played.means["hysteresis"] == pytest.approx(0.004, abs=2.0 * played.deviations["hysteresis"])
+    for name in ("frequency", "time_shift", "damping_ratio"):
+        assert played.means[name] == pytest.approx(plain.means[name], abs=0.3 * plain.deviations[name]), name
+
+
 def _softening(*, seed, sensor, load_cell, gain, delay):
     """Posterior mean of a specimen's share whose stiffness is as stated, relative to it."""
     ground = earthquake(duration=30.0, time_step=STEP, seed=seed)
