@@ -8,7 +8,8 @@ import numpy as np
 from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import TestPosterior
-from reliab.assessment.inference.rebuilt import LinearTest, relative_errors
+from reliab.assessment.inference.rebuilt import LinearTest
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.assessment.rebuilt_error.spread import ErrorDraws
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric

@@ -78,12 +78,6 @@ def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -
     return np.asarray(shape[:, np.newaxis] * decaying)
 
 
-def relative_errors(error: Array, exact: Array) -> tuple[Array, Array]:
-    """RMS^R and MTE^R [-] of histories of x_m − x_I and x_I [m], shape (…, m); each shape (…)."""
-    peak = np.abs(exact).max(axis=-1)
-    return np.sqrt((error**2).mean(axis=-1)) / peak, np.abs(error).max(axis=-1) / peak
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinearTest:
     """Errors of a test of a linear structure, by transfer functions; solutions are spectra, (2, p, K)."""

@@ -34,7 +34,7 @@ from reliab.assessment.parts import (
     parts_of,
 )
 from reliab.assessment.rebuild import Readings, RebuiltError
-from reliab.assessment.rebuilt_error.error_statistics import relative_error, relative_errors
+from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.assessment.rebuilt_error.recursion import Recursion
@@ -287,7 +287,7 @@ def _conclude(
                 name=specimen.family,
                 weight=float(weight),
                 held_out=specimen.held_out,
-                rms=relative_errors(test.measured - response, response)[0],
+                rms=relative_error(test.measured - response, response, Metric.RMS),
             )
             for specimen, weight, response in zip(specimens, test.weights, responses, strict=True)
         ),

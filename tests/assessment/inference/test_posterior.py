@@ -14,8 +14,9 @@ from reliab.assessment.inference.error_draws import draw_errors
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
 from reliab.assessment.inference.randomized_optimization import LeastSquares
-from reliab.assessment.inference.rebuilt import rebuild, relative_errors
+from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
