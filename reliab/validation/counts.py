@@ -1,6 +1,6 @@
 """Counts of right and wrong verdicts on motions that criteria were not learned from, and their rates."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.core.plain_values import Keys, ResultWithRows, same_names
+from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Side
 
 COUNTS: Final = (
@@ -158,3 +159,55 @@ def event_bootstrap(
     least = (0.5 * (1.0 - level)) ** (1.0 / np.maximum((bottom > 0.0).sum(axis=0), 1))
     low = np.where(countable & is_one, least, ends[0])
     return low, np.where(countable & is_zero, 1.0 - least, ends[1])
+
+
+def list_kept_shares(
+    rows: Sequence[Mapping[str, Any]], side_phrase: str = "", motions_phrase: str = "the motions"
+) -> Iterator[str]:
+    """Say of each method and law whether the share that it states is kept, and by which motions.
+
+    >>> rate = {"rate": 0.52, "low": 0.41, "high": 0.63}
+    >>> rows = [{"candidate": "power", "confidence": 0.95, "containment": rate}]
+    >>> print(*list_kept_shares(rows))
+    power does not keep what it states: it protects 52.0 % of the motions at 95 %.
+    >>> of_one_record = {"rate": 1.0, "low": 0.025, "high": 1.0}
+    >>> print(*list_kept_shares([{**rows[0], "containment": of_one_record}]))
+    power may keep what it states (too few earthquakes to tell): it protects 100.0 % of the motions at 95 %.
+    """
+    for candidate in dict.fromkeys(row["candidate"] for row in rows):
+        rates = [
+            (row["containment"], row["confidence"])
+            for row in rows
+            if row["candidate"] == candidate and row["containment"]["rate"] is not None
+        ]
+        if not rates:
+            continue
+        shares = ", ".join(
+            f"{percent(rate['rate'], decimals=1)} at {percent(confidence, decimals=0)}"
+            for rate, confidence in rates
+        )
+        first_share, later_shares = shares.split(" at", 1)
+        verdict = f"{candidate} {_keeps(rates)}{side_phrase}"
+        yield f"{verdict}: it protects {first_share} of {motions_phrase} at{later_shares}."
+
+
+def _keeps(rates: Sequence[tuple[Mapping[str, Any], float]]) -> str:
+    """Whether shares are kept: their intervals lie above what is stated, below it, or hold it."""
+    phrases: dict[str, list[str]] = {
+        "does not keep what it states": [],
+        "keeps what it states": [],
+        "may keep what it states": [],
+    }
+    broken_promise, kept_promise, open_promise = phrases
+    for rate, confidence in rates:
+        low, high = (rate[end] if rate[end] is not None else rate["rate"] for end in ("low", "high"))
+        phrase = kept_promise if low >= confidence else broken_promise if high < confidence else open_promise
+        phrases[phrase].append(percent(confidence, decimals=0))
+    filled_phrases = {phrase: shares for phrase, shares in phrases.items() if shares}
+    sentences = [
+        phrase if len(filled_phrases) == 1 else f"{phrase} at {', '.join(shares)}"
+        for phrase, shares in filled_phrases.items()
+    ]
+    if open_promise in filled_phrases:
+        sentences[-1] += " (too few earthquakes to tell)"
+    return "; it ".join(sentences)

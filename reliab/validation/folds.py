@@ -2,17 +2,15 @@
 
 Motions of one earthquake are similar, so that they are never divided: a motion is judged only by criteria
 learned from other earthquakes. `SCHEMES` lists the divisions by the names that studies and commands use.
-
-Motions of one earthquake are similar, so that a motion must not be judged by a criterion that was learned
-from its own earthquake. A catalogue says "KOBE" where a header says "KOBE JAPAN 1995-01-16"; they are
-recognised by the same record, date or name.
+A catalogue says "KOBE" where a header says "KOBE JAPAN 1995-01-16"; they are recognised by the same record,
+date or name.
 """
 
 import datetime as dt
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
@@ -20,7 +18,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
-from reliab.criterion.scope import magnitudes_of, regions_of
+from reliab.core.significant_digits import significant
+from reliab.criterion.scope import Position, compare_with_scope, magnitudes_of, regions_of, scope_of
 from reliab.motions.motion import are_copies
 
 _SUITE_EVENTS: Final[Mapping[str, tuple[str, str]]] = {
@@ -308,3 +307,82 @@ def folds_of(scheme: str, events: NDArray[np.str_], lengths: NDArray[np.float64]
             remedy=f"Choose among {', '.join((*SCHEMES, *GROUP_SCHEMES))}",
         )
     return list(SCHEMES[scheme](events))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Division:
+    """A division of motions into those that are learned from and those that are judged."""
+
+    folds: list[Fold]  # The pairs of both
+    name: str  # What the division is called
+    learn_from: xr.Dataset | None = None  # Ellipses of another suite that is learned from
+    recognised_motions: int = 0  # Motions whose earthquake that suite holds too
+
+
+_UNITS = {"magnitude": "", "length": " s"}
+
+
+def sentences_of_outside(ellipses: xr.Dataset, division: Division) -> Iterator[str]:
+    """Say of each division which of its motions no promise is made for, by their length and magnitude.
+
+    `ellipses`: of the motions that are judged, with their lengths where they are known.
+    """
+    scopes, quantities = list(_scopes(ellipses, division)), _quantities(ellipses)
+    for name, quantity in product(dict.fromkeys(map(_group, division.folds)), quantities):
+        judged_values: list[float] = []
+        outside_values: list[float] = []
+        ends: list[float] = []
+        for fold, scope in scopes:
+            if _group(fold) == name and quantity in scope and fold.judged.any():
+                values = quantities[quantity][fold.judged].tolist()
+                judged_values += values
+                ends += [scope[quantity][0], scope[quantity][-1]]
+                outside_values += [value for value in values if _is_outside(scope, quantity, value)]
+        if outside_values:
+            unit = _UNITS[quantity]
+            yield (
+                f"No promise for {len(outside_values)} of the {len(judged_values)} motions of {name}, of "
+                f"{quantity} {_range(outside_values)}{unit}: their criterion was learned from motions of "
+                f"{_range(ends)}{unit}."
+            )
+
+
+def motions_outside(ellipses: xr.Dataset, division: Division) -> NDArray[np.bool_]:
+    """Which motions lie outside of those from which a criterion that judges them is learned, (motions,)."""
+    is_outside = np.zeros(ellipses.sizes["motion"], dtype=np.bool_)
+    for fold, scope in _scopes(ellipses, division):
+        for quantity, values in _quantities(ellipses).items():
+            flags = [_is_outside(scope, quantity, float(value)) for value in values]
+            is_outside |= fold.judged & np.array(flags, dtype=np.bool_)
+    return is_outside
+
+
+def _scopes(ellipses: xr.Dataset, division: Division) -> Iterator[tuple[Fold, dict[str, list[float]]]]:
+    """Give each fold with the scope of the motions from which its criterion is learned."""
+    learned_from = ellipses if division.learn_from is None else division.learn_from
+    for fold in division.folds:
+        yield fold, scope_of(learned_from.isel(motion=fold.learned))
+
+
+def _group(fold: Fold) -> str:
+    """Name of what a division judges, whichever structures or earthquakes it leaves out beside."""
+    return fold.name.partition(", ")[0]
+
+
+def _is_outside(scope: Mapping[str, Sequence[float]], quantity: str, value: float) -> bool:
+    return compare_with_scope(scope, {quantity: value}).position is Position.OUTSIDE
+
+
+def _quantities(ellipses: xr.Dataset) -> dict[str, np.ndarray]:
+    """Length [s] and magnitude of each motion, shape (motions,), as far as they are known."""
+    quantities = {}
+    if "duration" in ellipses.coords:
+        quantities["length"] = ellipses["duration"].values.astype(np.float64)
+    if (magnitudes := magnitudes_of(ellipses["event"].values.tolist())) is not None:
+        quantities["magnitude"] = np.array(magnitudes)
+    return quantities
+
+
+def _range(values: Sequence[float]) -> str:
+    ends = [significant(end(values)) for end in (min, max)]
+    return ends[0] if ends[0] == ends[1] else " to ".join(ends)

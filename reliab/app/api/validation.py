@@ -1,8 +1,10 @@
 """`reliab.validate_criteria`, `reliab.calibrate_probabilities`: whether criteria hold on unseen motions."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar, Unpack
 
 import numpy as np
@@ -10,17 +12,6 @@ import pandas as pd
 import xarray as xr
 
 from reliab.app import questions
-from reliab.app.api.judged_motions import (
-    DEFAULT_SCHEME,
-    Division,
-    divide,
-    list_kept_shares,
-    motions_outside,
-    open_judged_ellipses,
-    require_one_share,
-    sentences_of_outside,
-    true_errors,
-)
 from reliab.app.api.sources import FIVE_PERCENT, EllipseSource, as_list
 from reliab.app.declaration import asks
 from reliab.core.columns import Columns
@@ -29,12 +20,26 @@ from reliab.core.plain_values import ResultWithRows
 from reliab.core.progress import show_task
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Metric, Side
+from reliab.criterion.ellipse_table import drop_copies, interpolate_threshold
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
 from reliab.criterion.scope import population_of
-from reliab.sweep.labels import share_of
-from reliab.validation.counts import RATES, CrossValidation, tabulate
-from reliab.validation.folds import GROUP_SCHEMES
+from reliab.motions.suite import MotionSuite
+from reliab.sweep.labels import select_share, share_of
+from reliab.sweep.results import REAL, find_results, open_results
+from reliab.tracking.indices.window import Window
+from reliab.validation.counts import RATES, CrossValidation, list_kept_shares, tabulate
+from reliab.validation.folds import (
+    GROUP_SCHEMES,
+    Division,
+    earthquakes_among,
+    folds_of,
+    from_another,
+    leave_structures_out,
+    motions_outside,
+    sentences_of_outside,
+    transfer,
+)
 from reliab.validation.judge import (
     Candidate,
     DerivedCandidate,
@@ -42,10 +47,134 @@ from reliab.validation.judge import (
     cross_validate,
     probability_calibration,
 )
+from reliab.validation.truth import EllipseTruth, SimulatedTruth, StoredTruth, Truth
 
 _CONFIDENCES = (0.50, 0.60, 0.70, 0.80, 0.90, 0.95, 0.99)
 _TRIALS = 512
 _CONFUSION = ("good_accepted", "good_rejected", "bad_accepted", "bad_rejected")
+
+
+DEFAULT_SCHEME = "leave_one_event_out"
+"""How earthquakes are divided where nothing is said."""
+
+
+def open_judged_ellipses(source: EllipseSource) -> xr.Dataset:
+    """Trace or look up the ellipses of the motions, each record once.
+
+    They must be at the structures that are asked for.
+    """
+    dataset = select_share(source.dataset())
+    for name in ("f", "xi"):
+        values = dataset[name].values.tolist()
+        for value in as_list(getattr(source, name)) or []:
+            if not any(math.isclose(value, existing, rel_tol=1e-9) for existing in values):
+                raise InputError(
+                    "The source has no boundaries for this structure",
+                    value=f"`{name}={value:g}`",
+                    remedy=f"Choose among {', '.join(map('{:g}'.format, values))}, or give `motions`",
+                )
+    for error in as_list(source.threshold) or []:
+        dataset = interpolate_threshold(dataset, error)
+    return drop_copies(dataset)
+
+
+def true_errors(source: EllipseSource, dataset: xr.Dataset) -> Truth:
+    """Choose where true errors come from: the loop, stored results, or else ellipses."""
+    names = dataset["motion"].values.tolist()
+    if source.motions is not None:
+        suite = source.suite()
+        return SimulatedTruth(
+            motions=[suite[place] for place in _places(names, suite)],
+            window=Window.parse(str(dataset.attrs["window"])),
+            experimental_fraction=share_of(dataset),
+        )
+    results_source = source.results or (source.ellipses if str(source.ellipses) == REAL else None)
+    if results_source is None:
+        return EllipseTruth(dataset)
+    window = str(dataset.attrs.get("window", "record"))
+    structures = (dataset[name].values.tolist() for name in ("f", "xi"))
+    results = open_results(find_results(Path(results_source), *structures), window=window).sel(motion=names)
+    return StoredTruth(select_share(results, share_of(dataset)))
+
+
+def _places(names: Sequence[str], suite: MotionSuite) -> list[int]:
+    """Places of motions in a suite."""
+    places = {name: place for place, name in enumerate(suite.names)}
+    return [places[name] for name in names]
+
+
+def divide(dataset: xr.Dataset, source: EllipseSource, question: Mapping[str, Any]) -> Division:
+    """Divide motions by a scheme of earthquakes, by sets, or with the shipped suite to learn from."""
+    learn, judge, leave_out = as_list(question["learn"]), as_list(question["judge"]), question["leave_out"]
+    if learn == [REAL]:
+        division = _from_shipped_suite(dataset, source, judge)
+    elif learn or judge:
+        division = _divide_by_sets(dataset, source, learn, judge)
+    else:
+        name = question["scheme"] or DEFAULT_SCHEME
+        lengths = dataset["duration"].values if "duration" in dataset.coords else None
+        division = Division(folds=folds_of(name, dataset["event"].values, lengths), name=name)
+    return division if leave_out is None else _leave_out(division, leave_out, dataset)
+
+
+def _leave_out(division: Division, name: str, dataset: xr.Dataset) -> Division:
+    """Leave out each frequency or damping ratio in turn, too."""
+    if name not in {"f", "xi"}:
+        raise InputError("`leave_out` is f or xi", value=name, remedy="Choose one of these")
+    values = dataset[name].values.tolist()
+    if len(values) < 2:  # noqa: PLR2004 - one is left out
+        raise InputError(
+            f"Leaving out each {name} in turn needs at least two",
+            value=f"{values[0]:g} alone",
+            remedy=f"Give more with `{name}`, or leave `leave_out` out",
+        )
+    folds = list(leave_structures_out(division.folds, name, values))
+    return replace(division, folds=folds, name=f"{division.name}, each {name} left out")
+
+
+def _from_shipped_suite(dataset: xr.Dataset, source: EllipseSource, judge: Sequence[str] | None) -> Division:
+    """Learn from the shipped suite, without the earthquake of the motion that is judged."""
+    if judge:
+        raise InputError(
+            f"`learn={REAL}` judges all motions that are given",
+            value=f"`judge={' '.join(judge)}`",
+            remedy="Leave `judge` out, or choose among the motions with `sets`",
+        )
+    shipped_suite = EllipseSource(
+        ellipses=REAL,
+        f=dataset["f"].values.tolist(),
+        xi=dataset["xi"].values.tolist(),
+        threshold=source.threshold,
+        metric=source.metric,
+        window=str(dataset.attrs["window"]),
+        alpha=share_of(dataset),
+    )
+    learn_from = shipped_suite.dataset()
+    events, checksums = (dataset[name].values.tolist() for name in ("event", "checksum"))
+    outlines = dataset["outline"].values.tolist() if "outline" in dataset.coords else ()
+    among = earthquakes_among(events, checksums, learn_from, outlines)
+    return Division(
+        folds=list(from_another(among, learn_from["event"].values)),
+        name=f"learned from {REAL}",
+        learn_from=learn_from,
+        recognised_motions=sum(name is not None for name in among),
+    )
+
+
+def _divide_by_sets(
+    dataset: xr.Dataset, source: EllipseSource, learn: Sequence[str] | None, judge: Sequence[str] | None
+) -> Division:
+    """Learn from sets of a catalogue and judge others of its sets."""
+    if not (learn and judge and source.motions):
+        raise InputError(
+            "Judging sets by others needs `motions`, `learn` and `judge`",
+            remedy=f"Give all three, for example `learn=far_field` `judge=near_field`, or `learn={REAL}`",
+        )
+    suite = source.suite()
+    sets = np.array(suite.set_names, dtype=np.str_)[_places(dataset["motion"].values.tolist(), suite)]
+    folds = transfer(sets, dataset["event"].values, learned=learn, judged=judge)
+    name = f"learned from {', '.join(learn)}, judged on {', '.join(judge)}"
+    return Division(folds=list(folds), name=name)
 
 
 def _share(value: float | None) -> str:
@@ -147,7 +276,13 @@ def _error_of(request: questions.ProbabilityQuestion) -> tuple[float, str]:
 
 def _open_test(request: questions.ProbabilityQuestion) -> tuple[EllipseSource, xr.Dataset, dict[str, Any]]:
     """Open the motions on which criteria are judged: their source, ellipses, and how errors are judged."""
-    require_one_share(request["alpha"])
+    shares = as_list(request["alpha"]) or []
+    if len(shares) > 1:
+        raise InputError(
+            "Criteria are judged for one share of the stiffness at a time",
+            value=f"`alpha={' '.join(f'{share:g}' for share in shares)}`",
+            remedy="Give one, and ask again for the others",
+        )
     threshold, metric = _error_of(request)
     source = EllipseSource.from_question(request, threshold=[threshold])
     dataset = open_judged_ellipses(source)

@@ -6,10 +6,10 @@ import pytest
 import typer
 from typer.testing import CliRunner, Result
 
-from reliab.app.api.judged_motions import list_kept_shares
 from reliab.app.cli.validate import validate
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
+from reliab.validation.counts import list_kept_shares
 
 app = typer.Typer()
 app.command()(validate)
