@@ -44,7 +44,20 @@ def from_text(text: str, location: str = "") -> dict[str, Any]:
     """Read the parts of a criterion."""
     rule = "This is no criterion that `reliab criterion --out` wrote"
     content = parse_json(text, rule=rule, remedy=_REMEDY, where=location)
-    _require_schema(content, location)
+    schema = content.get("schema_version") if isinstance(content, dict) else None
+    if schema == 1:
+        raise InputError(
+            "This criterion is of version 1, which has no limits for leads",
+            remedy="Derive it again with `reliab criterion --out FILE.json`",
+            where=location,
+        )
+    if schema != SCHEMA_VERSION:
+        raise InputError(
+            f"A criterion must be JSON of schema version {SCHEMA_VERSION}",
+            value="no schema_version" if schema is None else f"version {schema}",
+            remedy="Use the version of reliab that wrote it, or derive it again",
+            where=location,
+        )
     rule = "A criterion must be as `reliab criterion --out` writes it"
     file_model = validate_description(_CriterionFile, content, rule=rule, remedy=_REMEDY, where=location)
     laws = {name: getattr(file_model, name) for name in ("law", "lead_law")}
@@ -102,20 +115,3 @@ class _CriterionFile(_Part):
     population: _Motions | None
     lead_population: _Motions | None
     provenance: _ProvenanceTable
-
-
-def _require_schema(content: object, location: str) -> None:
-    schema = content.get("schema_version") if isinstance(content, dict) else None
-    if schema == 1:
-        raise InputError(
-            "This criterion is of version 1, which has no limits for leads",
-            remedy="Derive it again with `reliab criterion --out FILE.json`",
-            where=location,
-        )
-    if schema != SCHEMA_VERSION:
-        raise InputError(
-            f"A criterion must be JSON of schema version {SCHEMA_VERSION}",
-            value="no schema_version" if schema is None else f"version {schema}",
-            remedy="Use the version of reliab that wrote it, or derive it again",
-            where=location,
-        )

@@ -78,7 +78,13 @@ class Partition:
             object.__setattr__(self, field, matrix)
         self._check_interface()
         self._complete()
-        self._check_effects()
+        for effect in self.effects:
+            if effect.role is not Role.FORCE:
+                raise InputError(
+                    "An effect of the frame's specimen must act on its force",
+                    value=effect.name,
+                    remedy="Put effects of actuators and sensors into the laboratory",
+                )
         self._check_substructure()
 
     def _check_interface(self) -> None:
@@ -109,15 +115,6 @@ class Partition:
             rule = f"The {number} {description} need as many different names"
             raise InputError(rule, value=list(names), remedy="Give each a name of its own")
         object.__setattr__(self, field, names)
-
-    def _check_effects(self) -> None:
-        for effect in self.effects:
-            if effect.role is not Role.FORCE:
-                raise InputError(
-                    "An effect of the frame's specimen must act on its force",
-                    value=effect.name,
-                    remedy="Put effects of actuators and sensors into the laboratory",
-                )
 
     def _complete(self) -> None:
         degrees = self.interface.shape[1]

@@ -92,7 +92,9 @@ class PlanarFrame:
                 self._add_column(full, storey, line)
         for floor in range(n):
             for bay in range(self.bays):
-                self._add_beam(full, floor, bay)
+                ends = [self._rotation(floor, bay), self._rotation(floor, bay + 1)]
+                beam_stiffness = self.elastic_modulus * self.beam_inertia / self.bay_width
+                full[np.ix_(ends, ends)] += beam_stiffness * np.array([[4.0, 2.0], [2.0, 4.0]])
         swept = np.linalg.solve(full[n:, n:], full[n:, :n])
         lateral = full[:n, :n] - full[:n, n:] @ swept
         return np.asarray(0.5 * (lateral + lateral.T))
@@ -122,8 +124,3 @@ class PlanarFrame:
                 ends = [*foot, storey, self._rotation(storey, line)]
         sway_stiffness = self.elastic_modulus * self.column_inertia / self.storey_height**3
         full[np.ix_(ends, ends)] += sway_stiffness * local
-
-    def _add_beam(self, full: Array, floor: int, bay: int) -> None:
-        ends = [self._rotation(floor, bay), self._rotation(floor, bay + 1)]
-        beam_stiffness = self.elastic_modulus * self.beam_inertia / self.bay_width
-        full[np.ix_(ends, ends)] += beam_stiffness * np.array([[4.0, 2.0], [2.0, 4.0]])

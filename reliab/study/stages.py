@@ -90,7 +90,11 @@ class RunFolder:
         if entry.get("inputs") == inputs and entry.get("files") == self._digest_files(stage.writes):
             return False
         if entry and entry["inputs"] != inputs:
-            self._remove(stage.writes)
+            for path in (self.path / name for name in stage.writes):
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink(missing_ok=True)
         entries[stage.name] = {"inputs": inputs}
         self._write()
         stage.work(self.path)
@@ -103,13 +107,6 @@ class RunFolder:
         }
         self._write()
         return True
-
-    def _remove(self, names: Sequence[str]) -> None:
-        for path in (self.path / name for name in names):
-            if path.is_dir():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
 
     def _digest_inputs(self, stage: Stage) -> str:
         content = {

@@ -245,7 +245,15 @@ def predict_ellipses(
     >>> np.unique((predicted["a"].sel(threshold=0.02) / predicted["a"].sel(threshold=0.01)).values.round(6))
     array([4.])
     """
-    _check_predictable(request)
+    wrong = [str(metric) for metric in request.metrics if metric != Metric.RMS]
+    wrong += [curve.name for curve in request.curves if not issubclass(curve, Ellipse)]
+    wrong += ["a model with effects"] if request.model is not None else []
+    if wrong:
+        raise InputError(
+            "The closed form is for the RMS error of an actuator with gain and delay alone",
+            value=", ".join(wrong),
+            remedy="Leave it out, or trace the boundaries by simulation",
+        )
     return request.each_share(lambda part, advance: _predict_share(motions, part, advance), progress)
 
 
@@ -267,15 +275,3 @@ def _predict_share(motions: Sequence[Motion], request: EllipseRequest, progress:
         progress(step, len(motions))
     ellipses = label_curves(np.stack(tables), headers, request).assign_attrs(caution=CAUTION)
     return _add_cut_records(ellipses, motions, request)
-
-
-def _check_predictable(request: EllipseRequest) -> None:
-    wrong = [str(metric) for metric in request.metrics if metric != Metric.RMS]
-    wrong += [curve.name for curve in request.curves if not issubclass(curve, Ellipse)]
-    wrong += ["a model with effects"] if request.model is not None else []
-    if wrong:
-        raise InputError(
-            "The closed form is for the RMS error of an actuator with gain and delay alone",
-            value=", ".join(wrong),
-            remedy="Leave it out, or trace the boundaries by simulation",
-        )

@@ -82,7 +82,15 @@ def read_netcdf(
         LIMITS["dataset"].require_small(ordinary(path))
         with open_hdf5(path) as file:
             declared_size = sum(_size(item) for _, item in objects_of(file))
-            _refuse_empty_promises(declared_size, Path(path))
+            size = Path(path).stat().st_size
+            if declared_size > _MOST_EXPANSION * size:
+                raise InputError(
+                    "A NetCDF file must hold the numbers that it declares, at most "
+                    f"{_MOST_EXPANSION} bytes in each byte of its own",
+                    value=f"{significant(declared_size)} bytes declared in {size}",
+                    remedy="Export or download the file again",
+                    where=str(Path(path)),
+                )
             LIMITS["dataset"].require_few_numbers(declared_size, path)
         with xr.open_dataset(path, engine="h5netcdf") as file:
             return unpack(select(file).load())
@@ -112,16 +120,3 @@ def _size(item: h5py.HLObject) -> int:
     """Bytes of a part of a file in memory; h5netcdf would print a traceback over a damaged description."""
     dict(item.attrs)
     return int(item.nbytes) if isinstance(item, h5py.Dataset) else 0
-
-
-def _refuse_empty_promises(promised_size: int, path: Path) -> None:
-    """Refuse a file that declares more numbers than it can hold, before they fill the memory."""
-    size = path.stat().st_size
-    if promised_size > _MOST_EXPANSION * size:
-        raise InputError(
-            "A NetCDF file must hold the numbers that it declares, at most "
-            f"{_MOST_EXPANSION} bytes in each byte of its own",
-            value=f"{significant(promised_size)} bytes declared in {size}",
-            remedy="Export or download the file again",
-            where=str(path),
-        )

@@ -281,15 +281,6 @@ class SweepRequest(StructureGrid):
                 remedy="Give each window once",
             )
         super().__post_init__()
-        self._require_memory()
-        if self.model is not None and self.grid.leads:
-            raise InputError(
-                "A model with effects can be simulated for delays only",
-                value="a grid with leads",
-                remedy="Use a grid without leads, ScaledGrid(lead_steps=0)",
-            )
-
-    def _require_memory(self) -> None:
         structures = self.structures
         actuators = self.grid.gains(structures[0]).size * self.grid.delays(structures[0]).size
         size = _BYTES_OF_CELL * actuators * len(structures) * len(self.windows)
@@ -299,6 +290,12 @@ class SweepRequest(StructureGrid):
                 value=f"{significant(size / 1e9)} GB for {len(structures):,} structures, "
                 f"{len(self.windows)} windows and {actuators:,} actuators",
                 remedy="Simulate fewer structures or windows at once, each part into a store of its own",
+            )
+        if self.model is not None and self.grid.leads:
+            raise InputError(
+                "A model with effects can be simulated for delays only",
+                value="a grid with leads",
+                remedy="Use a grid without leads, ScaledGrid(lead_steps=0)",
             )
 
     @property

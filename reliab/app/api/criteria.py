@@ -49,16 +49,6 @@ POPULATION = "real_suite"
 _MEASURES = "real_suite/first_order.nc"
 
 
-def _require_whole_records(ellipses: xr.Dataset) -> None:
-    window, share = str(ellipses.attrs.get("window", "record")), share_of(ellipses)
-    if window != "record" or share != 1.0:
-        raise InputError(
-            "For a motion or suite, a criterion holds for whole records and all stiffness in the laboratory",
-            value=f"window {window}, α = {share:g}",
-            remedy="Leave `window` and `alpha` out",
-        )
-
-
 _NINETY_FIVE = 0.95
 
 
@@ -233,7 +223,14 @@ class _Question:
         source = self.source()
         population = drop_copies(select_rows_with_room(source.dataset()))
         if self.earthquake:
-            _require_whole_records(population)
+            window, share = str(population.attrs.get("window", "record")), share_of(population)
+            if window != "record" or share != 1.0:
+                raise InputError(
+                    "For a motion or suite, a criterion holds for whole records and all stiffness in the "
+                    "laboratory",
+                    value=f"window {window}, α = {share:g}",
+                    remedy="Leave `window` and `alpha` out",
+                )
             population = self._carry_ellipses(population.sel(metric=[source.metric]), source)
         protected_ellipses = protect_over_lengths(population, metric=self.metric, curve=method.curve)
         return (

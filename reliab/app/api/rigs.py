@@ -274,7 +274,15 @@ class _Keeper:
         path = find_test(file)
         checksum = _checksum(path, reading.test_name)
         if self.folder.holds(checksum):
-            self._require_same(checksum, path)
+            kept_terms = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
+            for term, text in self._collect_texts().items():
+                if kept_terms.get(term) != text:
+                    raise InputError(
+                        "The rig holds this test with other statements",
+                        value=f"{term} {text} now, {kept_terms.get(term) or 'nothing'} then",
+                        remedy="Remove it first with `reliab rig remove` to add it anew",
+                        where=str(path),
+                    )
             return None
         assessment = assess(path, **{**vars(reading), **self.terms})
         if isinstance(assessment, CoupledAssessment):
@@ -308,18 +316,6 @@ class _Keeper:
             rig=self.folder.path.name,
             further=attributes,
         )
-
-    def _require_same(self, checksum: str, path: Path) -> None:
-        """Refuse a test that is there already if something else is stated of it now."""
-        previous_terms = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
-        for name, text in self._collect_texts().items():
-            if previous_terms.get(name) != text:
-                raise InputError(
-                    "The rig holds this test with other statements",
-                    value=f"{name} {text} now, {previous_terms.get(name) or 'nothing'} then",
-                    remedy="Remove it first with `reliab rig remove` to add it anew",
-                    where=str(path),
-                )
 
 
 def _checksum(path: Path, test_name: str | None) -> str:

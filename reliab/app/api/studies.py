@@ -112,7 +112,13 @@ def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     copies = {folder / file.relative_to(home): file for sample in _SAMPLES for file in _files(home / sample)}
     with refuse_unwritable("Cannot write to the folder for the samples", where=folder):
         contents = {path: file.read_bytes() for path, file in copies.items()}
-        _refuse_others(contents)
+        for path, content in contents.items():
+            if path.exists() and path.read_bytes() != content:
+                raise InputError(
+                    "You have changed this file, so nothing was written",
+                    remedy="Name another folder, or move the file",
+                    where=str(path),
+                )
         for path, content in contents.items():
             path.parent.mkdir(parents=True, exist_ok=True)
             with written_whole(path) as temporary:
@@ -122,17 +128,6 @@ def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
 
 def _files(sample: Path) -> list[Path]:
     return sorted(path for path in sample.iterdir() if path.is_file()) if sample.is_dir() else [sample]
-
-
-def _refuse_others(contents: dict[Path, bytes]) -> None:
-    """Refuse to write over files that are not the samples themselves."""
-    for path, content in contents.items():
-        if path.exists() and path.read_bytes() != content:
-            raise InputError(
-                "You have changed this file, so nothing was written",
-                remedy="Name another folder, or move the file",
-                where=str(path),
-            )
 
 
 @asks(questions.ListedData)

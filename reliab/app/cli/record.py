@@ -57,16 +57,6 @@ def record(request: Request) -> None:
         raise InputError(
             "A CSV file holds one test only", value=f"{len(request.sources)} files", remedy="Name one file"
         )
-    _require_own_names(request)
-    records = [_record(source, request) for source in request.sources]
-    contents = [record.to_dict() for record in records]
-    if not write_json(contents[0] if len(contents) == 1 else contents, request.json_target):
-        for answer in records:
-            _show(answer)
-
-
-def _require_own_names(request: Request) -> None:
-    """Refuse files of which one would be written over the record of another."""
     stems = [source.stem for source in request.sources]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
     if request.out is not None and twice is not None:
@@ -75,6 +65,11 @@ def _require_own_names(request: Request) -> None:
             value=twice,
             remedy="Rename them, or name another `out` for each",
         )
+    records = [_record(source, request) for source in request.sources]
+    contents = [record.to_dict() for record in records]
+    if not write_json(contents[0] if len(contents) == 1 else contents, request.json_target):
+        for answer in records:
+            _show(answer)
 
 
 def _record(source: Path, request: Request) -> "Record":
