@@ -59,6 +59,15 @@ def pytest_collection(session):
         from reliab.study import description  # noqa: F401
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file(file_path):
+    """Look for examples only in files that have some: pytest would import every benchmark for them."""
+    collectors = yield
+    if not collectors or ">>> " in file_path.read_text(encoding="utf-8"):
+        return collectors
+    return [collector for collector in collectors if type(collector) is pytest.Module]
+
+
 @pytest.hookimpl(tryfirst=True)  # before pytest takes out what `-m` does not name
 def pytest_collection_modifyitems(items):
     """Make slow tests of cases that do not run by default; skip what needs studies that were taken away."""
@@ -302,12 +311,13 @@ def questions_are_judged_once(pytestconfig):
         yield
         return
     from reliab.assessment.assess import assess
+    from reliab.assessment.inferred_error import infer_errors
 
     cache = OrderedDict()
 
     def judge(*arguments, **options):
         try:
-            question = pickle.dumps((arguments, options))
+            question = pickle.dumps((arguments, options, infer_errors.__kwdefaults__["draws"]))
         except (AttributeError, TypeError, pickle.PicklingError):
             return assess(*arguments, **options)
         if question not in cache:
@@ -322,6 +332,39 @@ def questions_are_judged_once(pytestconfig):
 
 
 _ASSESSMENTS_IN_MEMORY = 32
+
+
+@contextmanager
+def _draws_of_posteriors(number):
+    from reliab.assessment.inferred_error import infer_errors
+    from reliab.assessment.rebuild import rebuild
+
+    with pytest.MonkeyPatch.context() as patch:
+        for function in (infer_errors, rebuild):
+            patch.setitem(function.__kwdefaults__, "draws", number)
+        yield
+
+
+@pytest.fixture(scope="module")
+def few_draws(pytestconfig):
+    """The error of a test has a quarter of its draws by default, as a property has few examples.
+
+    That halves the time of an assessment. Where the slow tests run too it has all, and with `all_draws`.
+    """
+    if pytestconfig.getoption("markexpr") != "not slow":
+        yield
+        return
+    with _draws_of_posteriors(64):
+        yield
+
+
+@pytest.fixture
+def all_draws(few_draws):  # noqa: ARG001 - before it
+    """For a test that asks for the draws that users get."""
+    from reliab.assessment.inference.posterior import DRAWS
+
+    with _draws_of_posteriors(DRAWS):
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -20,6 +20,11 @@ from reliab.structures.structure import Structure
 Simulate = Callable[..., Recording]
 
 
+@pytest.fixture(scope="module", autouse=True)
+def assess_with_few_draws(few_draws: None) -> None:
+    """Assess with few draws by default."""
+
+
 @pytest.fixture(scope="session")
 def whole_motions() -> list[Motion]:
     """Six synthetic ground motions of three earthquakes."""

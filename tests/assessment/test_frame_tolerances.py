@@ -131,6 +131,7 @@ def test_parts_replace_assumptions_about_the_whole():
     assert not {"frequency", "damping_ratio"} & names
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("case", ["storeys", "entries"])
 def test_several_actuators_have_the_same_tolerances(case):
     tested_frame, stated_values, names = CASES[case]

@@ -433,13 +433,19 @@ def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> No
     assert message == [] if lag == 0.0 else "ms later than the displacement" in message[0]
 
 
-def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> None:
-    """A displacement recorded early makes the force late, and the actuator too good; no specimen leads."""
+@pytest.fixture(scope="module")
+def skewed_specimen() -> tuple[Any, Any, MeasuredSpecimen]:
+    """A test, the same with a displacement recorded early, and what is learned if channels may be skewed."""
     test = _simulate_family("bilinear", 8)
     times = _STEP * np.arange(test.measured.size)
     early = replace(test, measured=np.interp(times + 2e-3, times, test.measured))
     skew = PriorKnowledge(tolerances={"time_shift": 2e-3, "force_lag": 2e-3})
-    specimen = _learn_from(early, known=skew)
+    return test, early, _learn_from(early, known=skew)
+
+
+def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew(skewed_specimen) -> None:
+    """A displacement recorded early makes the force late, and the actuator too good; no specimen leads."""
+    test, _, specimen = skewed_specimen
     assert specimen.test.apparent_lag.value == pytest.approx(2e-3, abs=0.2e-3)
     posterior = specimen.rebuilt.inferred.posterior
     # Two normal skews of 2 ms, apart by the lag that is seen and by what an exponential damping hides of it
@@ -454,42 +460,66 @@ def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew() -> No
     assert posterior.deviations["time_shift"] < 1.7e-3
     verdict = SimpleNamespace(error=SimpleNamespace(specimen=specimen))
     assert not [doubt for doubt in check_specimen(verdict) if "later" in doubt.finding]
-    size, ignored = specimen.rebuilt.rms, _learn_from(early).rebuilt.rms
-    assert size.low < test.error < size.high
-    assert abs(size.value - test.error) < 0.7 * abs(ignored.value - test.error)
+    assert specimen.rebuilt.rms.low < test.error < specimen.rebuilt.rms.high
 
 
-def test_ground_acceleration_beside_a_force_shows_damping_and_lag_of_any_specimen() -> None:
+@pytest.mark.slow
+def test_a_skew_that_the_force_shows_is_taken_off_the_error(skewed_specimen) -> None:
+    test, early, specimen = skewed_specimen
+    ignored = _learn_from(early).rebuilt.rms
+    assert abs(specimen.rebuilt.rms.value - test.error) < 0.7 * abs(ignored.value - test.error)
+
+
+_LATE_FORCE = 1.5e-3  # s
+
+
+@pytest.fixture(scope="module")
+def test_with_ground() -> tuple[Any, Recording, dict[str, Any]]:
+    """A simulated test, its recording with a late force and the ground acceleration, and what is stated."""
     test = _simulate_family("Bouc-Wen", 8)
-    times, late = _STEP * np.arange(test.force.size), 1.5e-3
+    times = _STEP * np.arange(test.force.size)
     recording = Recording(
         command=test.command,
         measured=test.measured,
-        force=np.interp(times - late, times, test.force),
+        force=np.interp(times - _LATE_FORCE, times, test.force),
         ground=-_load()[: test.force.size],
         time_step=_STEP,
     )
     loop = test.loop
-    stated_values = {"f": loop.frequency, "alpha": loop.share, "mass": 1.0, "specimen": "measured"}
-    ratio = 0.85 * loop.damping_ratio
+    return test, recording, {"f": loop.frequency, "alpha": loop.share, "mass": 1.0, "specimen": "measured"}
+
+
+def test_ground_acceleration_beside_a_force_shows_damping_and_lag_of_any_specimen(test_with_ground) -> None:
+    test, recording, stated_values = test_with_ground
+    ratio = 0.85 * test.loop.damping_ratio
     error = assess(recording, xi=StatedValue(ratio, 0.2 * ratio), skew=StatedValue(0.0, 1.0), **stated_values)
-    posterior = error.error.rebuilt.inferred.posterior
+    posterior, size = error.error.rebuilt.inferred.posterior, error.error.rebuilt.rms
     assert posterior.means["damping_ratio"] == pytest.approx(1.0 / 0.85 - 1.0, abs=0.03)
     assert posterior.deviations["damping_ratio"] < 0.05
-    assert posterior.means["force_lag"] == pytest.approx(late, abs=0.3e-3)
+    assert posterior.means["force_lag"] == pytest.approx(_LATE_FORCE, abs=0.3e-3)
+    assert size.low < test.error < size.high
+
+
+@pytest.mark.slow
+def test_ground_acceleration_finds_a_damping_ratio_contradicts_it_and_narrows_the_error(
+    test_with_ground,
+) -> None:
+    test, recording, stated_values = test_with_ground
+    ratio, skew = 0.85 * test.loop.damping_ratio, StatedValue(0.0, 1.0)
     unstated = assess(recording, **stated_values).to_dict()["error"]["identified"]["damping_ratio"]
-    assert unstated["value"] == pytest.approx(loop.damping_ratio, rel=0.03)
+    assert unstated["value"] == pytest.approx(test.loop.damping_ratio, rel=0.03)
     slip = assess(recording, xi=StatedValue(5.0 * ratio, 0.5 * ratio), **stated_values)
     assert "damping ratio" in slip.to_dict()["error"]["contradictions"][0]
-    blind = assess(
-        replace(recording, ground=None),
-        xi=StatedValue(ratio, 0.2 * ratio),
-        skew=StatedValue(0.0, 1.0),
-        **stated_values,
-    )
-    sizes = [judged.error.rebuilt.rms for judged in (error, blind)]
-    assert sizes[0].high - sizes[0].low < 0.9 * (sizes[1].high - sizes[1].low)
-    assert sizes[0].low < test.error < sizes[0].high
+    widths = []
+    for ground in (recording.ground, None):
+        error = assess(
+            replace(recording, ground=ground),
+            xi=StatedValue(ratio, 0.2 * ratio),
+            skew=skew,
+            **stated_values,
+        )
+        widths.append(error.error.rebuilt.rms.high - error.error.rebuilt.rms.low)
+    assert widths[0] < 0.9 * widths[1]
 
 
 def test_a_channel_of_force_is_stated_name_by_name() -> None:

@@ -53,26 +53,36 @@ def desk(chrome, address):
     return DeskBrowser(chrome, address)
 
 
-def test_a_dropped_test_is_shown_and_judged_and_a_reload_loses_nothing(desk):
+def _judge_sample(desk):
     desk.open("")  # the address as it is printed
-    assert "/judge?desk=" in desk.chrome.current_url
     desk.drop(SAMPLE)
     desk.wait_for("What was recognised in test.csv")
-    assert "256 samples a second" in desk.text()
     desk.state_structure()
     desk.press("Judge this test")
     desk.wait_for("98 % likely to be below 5 %")
     desk.wait_for("The whole report")
+
+
+def test_a_dropped_test_is_shown_and_judged(desk):
+    _judge_sample(desk)
+    assert "/judge?desk=" in desk.chrome.current_url
+    assert "256 samples a second" in desk.text()
     desk.press("Scale of the displacement sensor")
     desk.wait_for("If you knew it exactly")
     assert "reliab assess test.csv --f '1±0.01' --xi '0.02±0.002'" in desk.text()
+    assert {url.split("/")[2] for url in desk.requests() if url.startswith("http")} == {
+        desk.address.split("/")[2]
+    }
+    assert desk.complaints() == []
+
+
+@pytest.mark.slow
+def test_a_judged_test_is_accessible_and_a_reload_loses_nothing(desk):
+    _judge_sample(desk)
     assert desk.inaccessible() == {}
     desk.chrome.refresh()
     desk.wait_for("98 % likely to be below 5 %")
     desk.wait_for("The whole report")
-    assert {url.split("/")[2] for url in desk.requests() if url.startswith("http")} == {
-        desk.address.split("/")[2]
-    }
     assert desk.complaints() == []
 
 

@@ -11,7 +11,7 @@ from reliab.discrepancy.naming.unexplained import standstill
 from reliab.simulation.hybrid_test.model import Actuator
 from reliab.structures.frame import Specimen
 
-RATE = 512.0
+RATE = 256.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
 
 
@@ -28,7 +28,7 @@ def campaign(*, holds=0, step=0.0, noise=2e-5, specimen=None):
         read = piston + noise * rng.standard_normal(TIME.size)
         read = np.round(read / step) * step if step else read
         for begin in rng.integers(1000, TIME.size - 1000, holds):
-            read[begin : begin + 40] = read[begin]
+            read[begin : begin + 20] = read[begin]
         channels = {Channel.COMMAND: command, Channel.MEASURED: read}
         if specimen is not None:
             channels[Channel.FORCE] = STIFFNESS * piston + 8.0 * rng.standard_normal(TIME.size)

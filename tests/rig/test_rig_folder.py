@@ -220,9 +220,10 @@ def tests_of_lab(tmp_path_factory):
     folder = tmp_path_factory.mktemp("laboratory")
     time = np.arange(0.0, 12.0, 1.0 / 128.0)
     for seed in (1, 2):
-        phase = np.random.default_rng(seed).uniform(0.0, 6.0)
+        draw = np.random.default_rng(seed)
+        phase = draw.uniform(0.0, 6.0)
         command = 0.02 * np.sin(2.0 * np.pi * time + phase) * np.sin(np.pi * time / 12.0) ** 2
-        late = np.interp(time - 0.002, time, command)
+        late = np.interp(time - 0.002, time, command) + 1e-5 * draw.normal(size=time.size)
         columns = {"time_s": time, "command_m": command, "measured_m": late}
         pd.DataFrame(columns).to_csv(folder / f"test_{seed}.csv", index=False)
     return folder

@@ -11,9 +11,9 @@ from reliab.study.running import study_from
 
 @pytest.fixture(scope="session")
 def suite_folder(tmp_path_factory):
-    """Both components of eight earthquakes, short ones: every study simulates them."""
+    """Both components of six earthquakes, short ones: every study simulates them."""
     rng = np.random.default_rng(16)
-    t = np.arange(0.0, 12.0, 0.02)
+    t = np.arange(0.0, 8.0, 0.02)
     suite = MotionSuite.from_motions(
         Motion(
             name=f"E{number // 2}/H{number % 2}",
@@ -22,7 +22,7 @@ def suite_folder(tmp_path_factory):
             * np.sin(np.pi * t / t[-1]) ** 2,
             time_step=0.02,
         )
-        for number in range(16)
+        for number in range(12)
     )
     folder = tmp_path_factory.mktemp("study") / "suite"
     write_suite(suite, folder)

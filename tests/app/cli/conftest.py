@@ -12,6 +12,11 @@ from reliab.simulation.hybrid_test.model_file import UpdatedModel, write_model
 from reliab.structures.structure import Structure
 
 
+@pytest.fixture(scope="module", autouse=True)
+def assess_with_few_draws(few_draws):
+    """Assess with few draws by default."""
+
+
 @pytest.fixture(scope="module")
 def folder_of_a_test(tmp_path_factory):
     """Files of a test of 12 s in several forms, and of what it may be judged by."""

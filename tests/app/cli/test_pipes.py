@@ -82,7 +82,7 @@ def test_buffered_output_reports_a_closed_pipe_once():
 def test_a_full_disk_is_bad_input_and_no_answer():
     with Path("/dev/full").open("wb") as full:
         process = subprocess.run(
-            [sys.executable, "-m", "reliab", "info"], stdout=full, stderr=subprocess.PIPE, check=False
+            [sys.executable, "-m", "reliab", "--version"], stdout=full, stderr=subprocess.PIPE, check=False
         )
     assert process.returncode == 2
     assert process.stderr.decode().splitlines() == ["Error: No space left on device"]

@@ -58,6 +58,7 @@ def test_the_band_holds_the_history(outcome, noisy):
     assert np.mean(rebuilt.displacements[0].high - rebuilt.displacements[0].low) < 4.0 * np.abs(true).max()
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome):
     rebuilt = rebuild(
         outcome.command,

@@ -30,6 +30,7 @@ def feed_chunks(command, measured_displacement, chunks, **stated_values):
     return monitor
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.default_cases(1)
 @pytest.mark.parametrize("chunks", [(), (1, 2, 3, 500, 1, 9000)])
 @pytest.mark.parametrize("lag", [0.0, 0.0023])
