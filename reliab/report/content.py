@@ -12,9 +12,8 @@ import json
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from reliab.core.described_files import parse_json
 from reliab.core.files import LIMITS, decoding, folder_written_whole, ordinary
@@ -84,7 +83,7 @@ class _Writer:
             "sheet": document.sheet,
         }
         text = json.dumps(content, ensure_ascii=False)
-        terms = [[self._prose(term.name), self._prose(term.meaning)] for term in glossary_of(text)]
+        terms = [[self._prose(term.name), self._prose(prose(term.meaning))] for term in glossary_of(text)]
         content_text = json.dumps({**content, "glossary": terms}, ensure_ascii=False)
         return {CONTENT_FILE: content_text.encode(), **self._figures}
 
@@ -254,96 +253,83 @@ def _bytes_of(folder: Path, name: str) -> bytes:
     return path.read_bytes()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Term:
+class Term(NamedTuple):
     """A word that is explained where a report uses it."""
 
     name: Prose  # The word, as it stands in the glossary
     pattern: str  # Regular expression of its forms in running text
-    meaning: Prose  # What it means
+    meaning: str  # What it means
 
 
 TERMS: Final = (
     Term(
-        name="amplitude A",
-        pattern=r"amplitude",
-        meaning=prose(
-            "Measured over commanded displacement at the equivalent frequency; 1 for an exact actuator."
-        ),
+        "amplitude A",
+        r"amplitude",
+        "Measured over commanded displacement at the equivalent frequency; 1 for an exact actuator.",
     ),
     Term(
-        name="assurance",
-        pattern=r"\bassurance\b",
-        meaning=prose(
-            "Probability that a criterion holds for at least the stated share of the population's ground "
-            "motions, although it was learned from few."
-        ),
+        "assurance",
+        r"\bassurance\b",
+        "Probability that a criterion holds for at least the stated share of the population's ground "
+        "motions, although it was learned from few.",
     ),
     Term(
-        name="boundary of equal error",
-        pattern=r"\bboundar(?:y|ies)\b",
-        meaning=prose(
-            "All amplitudes and delays with which the error of a test under one ground motion equals the "
-            "threshold."
-        ),
+        "boundary of equal error",
+        r"\bboundar(?:y|ies)\b",
+        "All amplitudes and delays with which the error of a test under one ground motion equals the "
+        "threshold.",
     ),
     Term(
-        name="confidence",
-        pattern=r"\bconfidence\b",
-        meaning=prose(
-            "Share of the population's ground motions for which a test inside a criterion stays below the "
-            "threshold."
-        ),
+        "confidence",
+        r"\bconfidence\b",
+        "Share of the population's ground motions for which a test inside a criterion stays below the "
+        "threshold.",
     ),
     Term(
-        name="criterion",
-        pattern=r"\bcriteri(?:on|a)\b",
-        meaning=prose(
-            "Ellipse of amplitude errors and delays that are accepted, for a structure and a threshold."
-        ),
+        "criterion",
+        r"\bcriteri(?:on|a)\b",
+        "Ellipse of amplitude errors and delays that are accepted, for a structure and a threshold.",
     ),
     Term(
-        name="delay d",
-        pattern=r"\bdelay",
-        meaning=prose("Time by which the measured displacement follows the command; negative if it leads."),
+        "delay d",
+        r"\bdelay",
+        "Time by which the measured displacement follows the command; negative if it leads.",
     ),
     Term(
-        name="held-out test",
-        pattern=r"held[- ]out",
-        meaning=prose("A test or an earthquake that was not used to derive what is judged by it."),
+        "held-out test",
+        r"held[- ]out",
+        "A test or an earthquake that was not used to derive what is judged by it.",
     ),
     Term(
-        name="interval",
-        pattern=r"\binterval",
-        meaning=prose("Range that holds the true value with the stated probability."),
+        "interval",
+        r"\binterval",
+        "Range that holds the true value with the stated probability.",
     ),
     Term(
-        name="rebuilt error",
-        pattern=r"\brebuilt\b",
-        meaning=prose("Error of a test, computed from its own channels."),
+        "rebuilt error",
+        r"\brebuilt\b",
+        "Error of a test, computed from its own channels.",
     ),
     Term(
-        name=prose('RMS error $"RMS"^R$, largest error $"MTE"^R$'),
-        pattern=r"RMS|MTE|[Ll]argest error",
-        meaning=prose(
-            "Root mean square, and largest value, of measured minus exact displacement, over the peak of the "
-            "exact displacement."
-        ),
+        prose('RMS error $"RMS"^R$, largest error $"MTE"^R$'),
+        r"RMS|MTE|[Ll]argest error",
+        "Root mean square, and largest value, of measured minus exact displacement, over the peak of the "
+        "exact displacement.",
     ),
     Term(
-        name="share of the stiffness α",
-        pattern=r"α|share of the stiffness|experimental fraction",
-        meaning=prose("Share of the structure's stiffness that the specimen in the laboratory has."),
+        "share of the stiffness α",
+        r"α|share of the stiffness|experimental fraction",
+        "Share of the structure's stiffness that the specimen in the laboratory has.",
     ),
     Term(
-        name="stability margin",
-        pattern=r"stability margin",
-        meaning=prose("Share of the critical delay, at which the loop becomes unstable, that is still free."),
+        "stability margin",
+        r"stability margin",
+        "Share of the critical delay, at which the loop becomes unstable, that is still free.",
     ),
     Term(
-        name="window",
-        pattern=r"\bwindow\b",
-        meaning=prose("Part of a record over which the error is computed."),
+        "window",
+        r"\bwindow\b",
+        "Part of a record over which the error is computed.",
     ),
 )
 """Words that are explained, in alphabetical order."""
