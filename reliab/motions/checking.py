@@ -163,16 +163,6 @@ class Inspection:
     notes: list[MotionFault] = field(default_factory=list)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Peak:
-    """Peak [m/s²] of a record, whether the file states its units, and whether a catalogue confirms them."""
-
-    file: str
-    value: float
-    has_units: bool
-    is_confirmed: bool
-
-
 def inspect(
     path: str | Path,
     *,
@@ -199,7 +189,7 @@ def inspect(
             f"{path} not found", remedy="Name a folder of records, a file or the built-in suite synthetic"
         )
     faults: list[MotionFault] = []
-    peaks: list[_Peak] = []
+    peaks: list[tuple[str, float, bool, bool]] = []
     notes: list[MotionFault] = []
     copies = Copies()
     checked_count = 0
@@ -210,13 +200,9 @@ def inspect(
         reading = record.read(report)
         faults.extend(report.faults)
         if reading is not None:
-            value = float(np.abs(reading.acceleration).max())
+            peak = float(np.abs(reading.acceleration).max())
             is_confirmed = record.declared.units is not None and declaration.units is None
-            peaks.append(
-                _Peak(
-                    file=report.file, value=value, has_units=reading.units_stated, is_confirmed=is_confirmed
-                )
-            )
+            peaks.append((report.file, peak, reading.units_stated, is_confirmed))
             notes.extend(_notes(record, reading, copies))
     if not checked_count and not faults:
         faults.append(_no_records(source, sets))
@@ -274,22 +260,26 @@ def _no_records(source: Path, sets: Sequence[str] | None) -> MotionFault:
     )
 
 
-def _unlike_peaks(peaks: list[_Peak]) -> Iterator[tuple[bool, MotionFault]]:
-    """Peaks far from the median of their folder, and whether the file states its units."""
+def _unlike_peaks(peaks: list[tuple[str, float, bool, bool]]) -> Iterator[tuple[bool, MotionFault]]:
+    """Peaks far from the median of their folder, and whether the file states its units.
+
+    `peaks`: of each record its file, the peak [m/s²], whether the file states its units, and whether a
+    catalogue confirms them.
+    """
     if len(peaks) < _FEWEST:
         return
-    middle = median(peak.value for peak in peaks)
-    for peak in peaks:
-        if not peak.is_confirmed and not middle / _LIKENESS <= peak.value <= middle * _LIKENESS:
+    middle = median(peak for _, peak, _, _ in peaks)
+    for file, peak, has_units, is_confirmed in peaks:
+        if not is_confirmed and not middle / _LIKENESS <= peak <= middle * _LIKENESS:
             remedy = "confirm a true peak by the column units of a catalogue"
             fault = MotionFault(
-                file=peak.file,
+                file=file,
                 line=None,
                 rule=f"The peak differs from the median of its folder by more than a factor of {_LIKENESS:g}",
-                value=f"{significant(peak.value / STANDARD_GRAVITY)} g against "
+                value=f"{significant(peak / STANDARD_GRAVITY)} g against "
                 f"{significant(middle / STANDARD_GRAVITY)} g",
                 remedy=f"Check whether the record is weak or its header states wrong units; {remedy}"
-                if peak.has_units
+                if has_units
                 else f"Check for mixed units; {remedy}",
             )
-            yield peak.has_units, fault
+            yield has_units, fault
