@@ -46,21 +46,6 @@ def open_study(name: str | Path) -> Study:
     """Read a study from its folder or its file, or one that ships by its name.
 
     The code in the folder of a study, `kind.py`, is imported.
-
-    Parameters
-    ----------
-    name : str or pathlib.Path
-        A folder that holds `study.toml`, a TOML file, or a name such as ``quick``.
-
-    Returns
-    -------
-    Study
-        The study.
-
-    Raises
-    ------
-    InputError
-        If there is none, its file is not allowed, or its code cannot be imported.
     """
     path = Path(name)
     if not path.suffix and len(path.parts) == 1 and not is_own_data(path, FILE):
@@ -102,26 +87,8 @@ def run_study(
 ) -> Path:
     """Run a study, from its motions to the report; what is done already is not done again.
 
-    Parameters
-    ----------
-    study : Study
-        The study.
-    out : str or pathlib.Path
-        Its run folder.
-    tell : callable, optional
-        Called after each stage with its name and whether there was something to do.
-    setting : Setting, optional
-        Paper, title, date, and name and logo of the laboratory on the report.
-
-    Returns
-    -------
-    pathlib.Path
-        The report.
-
-    Raises
-    ------
-    InputError
-        If the study asks for what is not there, or the folder holds something else.
+    `out`: its run folder; `tell`: called after each stage with its name and whether there was something to
+    do.
     """
     stages = list(KINDS[study.kind].stages(study))
     results = [name for stage in stages for name in stage.writes]
