@@ -134,6 +134,26 @@ def test_a_recorded_ground_acceleration_in_another_unit_is_refused(test_and_trut
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_recorded_ground_acceleration_is_compared_beside_a_specimen_known_by_its_force(sign):
+    ground = shaken(8)
+    outcome, noise = run(TWO_STOREYS, 1.02, 150.0, ground, 1.0 / RATE), np.random.default_rng(3)
+    peak = np.abs(outcome.measured).max()
+    recording = Recording(
+        command=outcome.command,
+        measured=outcome.measured + 1e-3 * peak * noise.normal(size=ground.size),
+        force=2e5 * (outcome.measured + 1e-3 * peak * noise.normal(size=ground.size)),
+        ground=sign * ground,
+        time_step=1.0 / RATE,
+    )
+    shown = assess(recording, STATED, measured_specimen=True).error.ground
+    assert shown.fits
+    assert shown.sign == sign
+    assert ("The ground acceleration has the opposite sign." in shown.notes) is (sign < 0.0)
+    with pytest.raises(InputError, match="does not fit its unit"):
+        assess(replace(recording, ground=ground / 9.80665), STATED, measured_specimen=True)
+
+
 def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     ground = shaken(8)
     tested_frame = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))

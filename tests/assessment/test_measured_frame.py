@@ -71,6 +71,7 @@ def test_a_measured_specimen_of_a_frame_needs_its_force_and_no_mass() -> None:
         assess(test.recording, replace(test.frame, partition=heavy), measured_specimen=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_ground_acceleration_is_compared_beside_any_specimen(sign: float) -> None:
     test = _simulate_family("bilinear", 1)
