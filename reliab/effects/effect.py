@@ -219,6 +219,8 @@ class Effect(ABC):
         Simpler effects that this one resembles at an end of its parameters' ranges.
     members : tuple of type, optional
         Effects that this one is composed of, under whose names a diagnosis reports it.
+    remembers_peaks : bool, optional
+        Whether it depends on the largest displacement so far, and not on the present motion alone.
     """
 
     name: ClassVar[str]
@@ -231,6 +233,7 @@ class Effect(ABC):
     refines: ClassVar["type[Effect] | None"] = None
     limiting_cases: ClassVar["tuple[type[Effect], ...]"] = ()
     members: ClassVar["tuple[type[Effect], ...]"] = ()
+    remembers_peaks: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

@@ -56,6 +56,7 @@ class Softening(SteppedEffect):
         ),
     )
     kernel = Kernel(function=_softened, states=1, by_path=True)
+    remembers_peaks = True
 
     lost_n_per_m: float  # c [N/m]
     power: float  # p [-]
@@ -90,6 +91,7 @@ class Damage(SteppedEffect):
         ),
     )
     kernel = Kernel(function=_softened, states=1, by_path=True)
+    remembers_peaks = True
 
     lost_n_per_m: float  # c [N/m], lost far below the largest displacement
     power: float  # p [-]

@@ -69,6 +69,10 @@ class ObservedBlock(ABC):
         open_block.calibrations = tuple(free if item.key == free.key else item for item in self.calibrations)
         return open_block
 
+    def without_memory(self) -> "ObservedBlock":
+        """Return the same block, in which the largest displacement so far is that of all tests."""
+        return self
+
     @property
     def highest_signal(self) -> float:
         """Highest frequency at which there may be a signal [Hz]."""

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration, free_stiffness, lag_of_force, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock, SuperposedBlock
-from reliab.discrepancy.campaign.campaign import Campaign, Channel
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
@@ -33,6 +34,10 @@ from reliab.structures.frame import Specimen
 _NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
 _WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
+_CACHED_FORCES = 4  # of recordings, from the last models in two threads
+_AT_CUT = 25  # samples on either side of the cut between two tests
+_STEP_AT_CUT = 2.0  # times the largest step of these: one recording was cut there
+_MOVES = 0.2  # of the usual way in as many samples: the specimen moves on through the cut
 
 
 class SpecimenTerm(NamedTuple):
@@ -51,6 +56,7 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
     inputs = (Channel.MEASURED,)
     offsets = (ForceBias,)
     linear = (ViscousDamping, AddedMass)
+    forgets = False  # Whether a specimen knows from the beginning how far it will be moved
     twins = MappingProxyType({ViscousDamping: (ClockOffset,), ClockOffset: (ViscousDamping, AddedMass)})
 
     def __init__(
@@ -79,6 +85,8 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         self.candidates = (*forces, *sensor, *((ClockOffset,) if is_timed else ()))
         self.outside = general_terms(self.block)
         self.smoothed = is_smoothed
+        goes_on = [False, *(_continues(a, b) for a, b in pairwise(self.tests))]
+        self._beginnings = np.maximum.accumulate(np.where(goes_on, 0, np.arange(len(goes_on)))).tolist()
         self._velocity_spreads = [
             velocity_spread(reading, 1.0 / self.rate, self.highest_signal)
             for reading in (self._readings if is_smoothed else ())
@@ -89,8 +97,18 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         """Take the motion of the piston in every test."""
         self.motions = tuple(pistons)
         peaks = [float(np.abs(piston.values[0]).max()) for piston in self.motions]
-        self._moved_before = np.maximum.accumulate([0.0, *peaks]).tolist()
+        earlier = np.full(len(peaks), max(peaks)) if self.forgets else np.maximum.accumulate([0.0, *peaks])
+        self._moved_before = earlier.tolist()
+        self._forces = lru_cache(maxsize=_CACHED_FORCES)(self._forces_in_recording)
         self.forget_terms()
+
+    def without_memory(self) -> "SpecimenBlock":
+        """Return the same block, in which the largest displacement so far is that of all tests."""
+        block = copy(self)
+        block.forgets = True
+        block.__dict__.pop("sketch", None)
+        block.move(self.motions)
+        return block
 
     @property
     def _readings(self) -> list[Array]:
@@ -127,7 +145,7 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
 
         There is a single one where effects change the motion that others see.
         """
-        tested_model = replace(model, moved_before=self._moved_before[test])
+        tested_model = replace(model, moved_before=self._moved_before[self._beginnings[test]])
         if any(isinstance(effect, SeriesPlay) for effect in model.effects) or self._is_read_otherwise(model):
             other_effects = (effect for effect in tested_model.effects if not isinstance(effect, ClockOffset))
             return [(1.0, replace(tested_model, effects=tuple(other_effects)))]
@@ -154,8 +172,19 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         return self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects)
 
     def signal(self, term: HybridTest | SpecimenTerm, test: int) -> Array:
-        """Compute a force in a test, or that of a whole model [N], shape (n,)."""
-        piston = self.motions[test]
+        """Return a force in a test, or that of a whole model [N], shape (n,)."""
+        first = self._beginnings[test]
+        return np.asarray(self._forces(term, first)[test - first])
+
+    def _forces_in_recording(self, term: HybridTest | SpecimenTerm, first: int) -> list[Array]:
+        """Compute a force in all tests of one recording: what the specimen remembers goes on between them."""
+        motions = self.motions[first : first + self._beginnings.count(first)]
+        sizes = [motion.values.shape[1] for motion in motions]
+        values = np.concatenate([motion.values for motion in motions], axis=1)
+        force = self._force(term, Motion3(values=values, step=motions[0].step), first)
+        return np.split(force, np.cumsum(sizes[:-1]))
+
+    def _force(self, term: HybridTest | SpecimenTerm, piston: Motion3, test: int) -> Array:
         if isinstance(term, HybridTest):
             if self._is_read_otherwise(term):
                 piston = _remove_reading(term, piston)
@@ -186,6 +215,21 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
             values[1] += node * self._velocity_spreads[test]
             total += weight * force(Motion3(values=values, step=piston.step))
         return total
+
+
+def _continues(earlier: MeasuredTest, later: MeasuredTest) -> bool:
+    """Whether a test goes on where another ends: one recording was cut while the specimen moved."""
+    for channel in (Channel.MEASURED, Channel.FORCE):
+        before, after = earlier.channels[channel][-_AT_CUT:], later.channels[channel][:_AT_CUT]
+        largest_step = max(float(np.abs(np.diff(values)).max()) for values in (before, after))
+        if abs(float(after[0] - before[-1])) > _STEP_AT_CUT * largest_step:
+            return False
+    readings = [test.channels[Channel.MEASURED] for test in (earlier, later)]
+    if min(values.size for values in readings) <= 2 * _AT_CUT:
+        return False
+    range_at_cut = float(np.ptp(np.concatenate([readings[0][-_AT_CUT:], readings[1][:_AT_CUT]])))
+    moves = np.concatenate([values[2 * _AT_CUT :] - values[: -2 * _AT_CUT] for values in readings])
+    return range_at_cut > _MOVES * float(np.median(np.abs(moves)))
 
 
 def _remove_reading(model: HybridTest, reading: Motion3) -> Motion3:

@@ -11,8 +11,8 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.discrepancy.fitting.fit import Fit
-from reliab.discrepancy.fitting.left_out import LeftOut
-from reliab.discrepancy.fitting.prior import cost_beside_error
+from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
+from reliab.discrepancy.fitting.prior import COST_BESIDE_ERROR, cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Promise
 from reliab.discrepancy.fitting.search import Search
@@ -69,7 +69,13 @@ class ErrorSearch(Search):
     def _matters(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether a model is listed: it explains more of the tests to which it is fitted than a trifle."""
         remaining = float(candidate.residual @ candidate.residual)
-        return remaining <= (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise)
+        if remaining > (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise):
+            return False
+        return self._needs_memory(candidate, smaller)
+
+    def _advantage(self, candidate: Fit, problem: Problem, forgetful: Fit) -> float:
+        errors = self.error(candidate), leave_out(problem, forgetful)
+        return self.likelihood(errors[0]) - self.likelihood(errors[1]) - COST_BESIDE_ERROR
 
     def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
         del rough, parent

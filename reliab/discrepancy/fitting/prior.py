@@ -12,13 +12,15 @@ COST = 4.0
 GENERAL_COST = 7.0
 """The same for an effect outside the library."""
 
+COST_BESIDE_ERROR = 1.0
+"""Logarithm of the prior odds against one more effect where the best model leaves an error."""
 
-_COST_BESIDE_ERROR, _GENERAL_COST_BESIDE_ERROR = 1.0, 4.0
+_GENERAL_COST_BESIDE_ERROR = 4.0
 
 
 def cost_beside_error(kinds: Iterable[type[Effect]]) -> float:
     """Return the same where the best model leaves an error, whose further parts are no rarity."""
-    return sum(_GENERAL_COST_BESIDE_ERROR if is_general(kind) else _COST_BESIDE_ERROR for kind in set(kinds))
+    return sum(_GENERAL_COST_BESIDE_ERROR if is_general(kind) else COST_BESIDE_ERROR for kind in set(kinds))
 
 
 def cost(kinds: Iterable[type[Effect]]) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property, reduce
 from weakref import WeakKeyDictionary
 
@@ -136,6 +137,8 @@ class Search:
 
     def _matters(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether the additional effects of a model over a smaller one are not negligible."""
+        if not self._needs_memory(candidate, smaller):
+            return False
         rows = candidate.residual
         remaining = float(rows @ rows)
         gain = self.energy(smaller, candidate.noise) - remaining
@@ -152,6 +155,28 @@ class Search:
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         audible = gain > MATERIAL * (remaining + gain)
         return audible and self.error(candidate).energy <= (1.0 - MATERIAL) * self.error(smaller).energy
+
+    def _needs_memory(self, candidate: Fit, smaller: Fit) -> bool:
+        """Whether an added effect that remembers peaks explains more than the same without its memory.
+
+        Its memory is one more assumption: without it, it may be nothing but a spring that is not linear.
+        """
+        added_effects = set(candidate.space.effects) - set(smaller.space.effects)
+        if not any(kind.remembers_peaks for kind in added_effects):
+            return True
+        problem = self._forgetful_problem
+        space = ModelSpace(problem.block, candidate.space.effects)
+        rough = fit(problem, space, [candidate.coordinates], candidate.noise)
+        return self._advantage(candidate, problem, refine_fit(problem, rough)) > 0.0
+
+    @cached_property
+    def _forgetful_problem(self) -> Problem:
+        return replace(self.problem, block=self.problem.block.without_memory())
+
+    def _advantage(self, candidate: Fit, problem: Problem, forgetful: Fit) -> float:
+        """Odds of a model against the same without its memory, as a logarithm with the prior's."""
+        del problem
+        return candidate.log_evidence - forgetful.log_evidence - COST
 
     def _is_shift(self, candidate: Fit, added_effects: set[type[Effect]]) -> bool:
         """Whether an offset of the clocks is added to a model with effects, or what looks like one there.

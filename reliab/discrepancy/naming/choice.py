@@ -13,7 +13,7 @@ from reliab.discrepancy.fitting.left_out import LeftOut, errors_of_parts
 from reliab.discrepancy.fitting.noise_test import is_noise
 from reliab.discrepancy.fitting.prior import cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
-from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.fitting.search import LEAST_SHARE, MATERIAL, Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
@@ -339,26 +339,29 @@ def _idle(
 def _weigh(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> tuple[dict[type[Effect], float], set[type[Effect]]]:
-    """Find effects that only refine a model that leaves no noise, and a main one that is in doubt.
+    """Find effects that only refine a model, and a main one that is in doubt.
 
-    Nearly any effect explains some of an error that follows the motion. One has a name only if it is in most
-    models by their probability, and takes off more of the energy than the effects that have a name leave
-    together, on left-out parts as on held-out tests: beside other effects in its place, too, and without
-    those that only refine. The main one does so by itself, or something of its kind acts; that one of both
-    shows it is enough, because a limit acts in the strongest tests alone. An effect that matters beside a
-    term outside the library alone makes up for the shape of that term.
+    Where noise is left, one of several effects refines if it closes a trifle of the gap on held-out tests and
+    takes little off all that is left there, too. Nearly any effect explains some of an error that follows the
+    motion, however: there, one has a name only if it is in most models by their probability, and takes off
+    more of the energy than the effects that have a name leave together, on left-out parts as on held-out
+    tests: beside other effects in its place, too, and without those that only refine. The main one does so by
+    itself, or something of its kind acts; that one of both shows it is enough, because a limit acts in the
+    strongest tests alone. An effect that matters beside a term outside the library alone makes up for the
+    shape of that term.
     """
     kinds = [kind for kind in best.fit.space.effects if kind not in (ClockOffset, StatedDamping)]
-    is_inexact = isinstance(search, ErrorSearch) or not is_noise(search.problem, best.fit)
-    if not (kinds and is_inexact):
-        return {}, set()
     smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}
+    if not isinstance(search, ErrorSearch) and is_noise(search.problem, best.fit):
+        return _find_trifles(search, rows, best, smaller, proof), set()
+    if not kinds:
+        return {}, set()
     likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
     plain = _without_terms(search, rows, best, proof)
     plainer = smaller
     if plain is not best:
         plainer = {kind: _remove_effect(search, rows, plain, kind, proof) for kind in kinds}
-    main = max(kinds, key=lambda kind: (not is_general(kind), likely[kind], plainer[kind].held_out))
+    main = max(kinds, key=lambda kind: (not is_general(kind), plainer[kind].held_out))
     named, model = [*kinds], best
     for kind in (kind for kind in kinds if kind is not main and not is_general(kind)):
         if plain is not best and plainer[kind].held_out <= (1.0 + NO_CHANGE) * plain.held_out:
@@ -380,6 +383,29 @@ def _weigh(
     without_main = _remove_effect(search, rows, model, main, proof)
     weak = set() if max(_energy_ratios(without_main, model)) >= _MORE_THAN_LEFT else {main}
     return {kind: row.held_out for kind, row in smaller.items() if kind not in named}, weak
+
+
+def _find_trifles(
+    search: Search,
+    rows: Sequence[RankedModel],
+    best: RankedModel,
+    smaller: Mapping[type[Effect], RankedModel],
+    proof: Problem,
+) -> dict[type[Effect], float]:
+    """Find effects that close a trifle of the gap on held-out tests and little of what is left there.
+
+    The errors without them. The only effect of a model is no trifle, nor is one that those tests cannot show.
+    """
+    worst = max(row.held_out for row in rows if not row.fit.space.effects)
+    closed_energy = worst**2 - best.held_out**2
+    return {
+        kind: row.held_out
+        for kind, row in smaller.items()
+        if len(smaller) > 1
+        and row.held_out**2 - best.held_out**2 < LEAST_SHARE * closed_energy
+        and best.held_out**2 > (1.0 - MATERIAL) * row.held_out**2
+        and not _is_silent(search, best, row, proof)
+    }
 
 
 def _without_terms(
@@ -423,10 +449,13 @@ def _remove_effect(
     kind: type[Effect],
     proof: Problem,
 ) -> RankedModel:
-    """Return the best model without an effect of another one: refitted, or with still fewer effects."""
-    other_effects = set(best.fit.space.effects) - {kind}
+    """Return the best model without an effect of another one: refitted, or with still fewer effects.
+
+    Where no model is exact it may hold any linear effect: what those explain as well, no other one has shown.
+    """
+    possible_effects = {*best.fit.space.effects, *search.problem.block.linear} - {kind}
     fit = search.remove_effect(best.fit, kind)
-    rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= other_effects]
+    rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= possible_effects]
     if all(row.fit is not fit for row in rows):
         rows.append(_row_of(search, fit, proof))
     if not isinstance(search, ErrorSearch):
