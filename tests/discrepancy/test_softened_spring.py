@@ -6,9 +6,12 @@ from discrepancy.test_specimen_forms import RATE, STIFFNESS, TESTS, write_tests
 from scipy import optimize
 
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
+from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import diagnose
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.segment import motions_of, scales_of
+from reliab.effects.degrading_hysteresis import DegradingHysteresis
+from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.softening import Softening
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
@@ -52,6 +55,61 @@ def test_it_remembers_the_tests_before_in_the_order_of_the_campaign(tmp_path):
     for test, earlier_peak in enumerate([0.0, peaks[0], peaks[0], peaks[2]]):
         single = HybridTest(specimen=SPRING, effects=RUBBER.effects, moved_before=earlier_peak)
         np.testing.assert_allclose(block.predict(RUBBER, test), load(single, displacement[test]), atol=1e-9)
+
+
+def cut_campaign(tmp_path, cut, law):
+    """A recording of a slowly growing motion, cut at a sample into two tests."""
+    time = np.arange(4000) / 200.0
+    displacement = 0.02 * np.sin(2.0 * np.pi * 0.7 * time) * time / time[-1]
+    described = "[specimen]\nstiffness_n_per_m = 1000.0\ndamping_n_s_per_m = 0.0\nmass_kg = 0.0\n"
+    lines = ["[sampling]\nrate_hz = 200\n"]
+    for name, part in (("a.csv", slice(0, cut)), ("b.csv", slice(cut, None))):
+        lines.append(f'[[tests]]\nfile = "{name}"\nmotion = "growing"\n')
+        moved = displacement[part]
+        np.savetxt(
+            tmp_path / name, np.column_stack([moved, law(displacement)[part]]), delimiter=",",
+            header="measured_m,force_n", comments="",
+        )  # fmt: skip
+    (tmp_path / "campaign.toml").write_text(f'name = "cut"\n{described}{"".join(lines)}', encoding="utf-8")
+    return read_campaign(tmp_path), displacement
+
+
+@pytest.mark.parametrize("cut", [1500, 2100])
+def test_a_hysteresis_goes_on_where_one_recording_was_cut(tmp_path, cut):
+    model = HybridTest(
+        specimen=SPRING, effects=(DegradingHysteresis(force_n=5.0, displacement_m=0.003, stiffness_loss=0.1),)
+    )
+    campaign, displacement = cut_campaign(tmp_path, cut, lambda moved: 1000.0 * moved)
+    whole = Motion3.interpolate(displacement, 1.0 / 200.0)
+    pistons = [
+        Motion3(values=whole.values[:, part], step=whole.step) for part in (slice(cut), slice(cut, None))
+    ]
+    block = SpecimenBlock(campaign, scales_of(campaign, motions_of(campaign)), pistons)
+    forces = np.concatenate([block.predict(model, test) for test in (0, 1)])
+    np.testing.assert_allclose(forces, load(model, whole), atol=1e-9)
+
+
+def test_a_hysteresis_begins_anew_in_a_test_of_its_own(tmp_path):
+    model = HybridTest(specimen=SPRING, effects=(Hysteresis(force_n=5.0, displacement_m=0.003),))
+    campaign = write_tests(
+        tmp_path, f"stiffness_n_per_m = {STIFFNESS}", lambda displacement: STIFFNESS * displacement
+    )
+    motions = motions_of(campaign)
+    block = SpecimenBlock(campaign, scales_of(campaign, motions), motions)
+    for test, motion in enumerate(motions):
+        np.testing.assert_allclose(block.predict(model, test), load(model, motion), atol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("power", [0.5, 2.5])
+def test_a_spring_without_memory_is_not_named_softening(tmp_path, power):
+    peak = 0.02
+
+    def spring(displacement):
+        return STIFFNESS * displacement * (1.0 + 0.5 * (np.abs(displacement) / peak) ** power)
+
+    diagnosis = diagnose(write_tests(tmp_path, f"stiffness_n_per_m = {STIFFNESS}", spring))
+    assert "softening" not in {effect.name for effect in (*diagnosis.effects, *diagnosis.doubtful)}
 
 
 @pytest.mark.slow

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
+from reliab.discrepancy.fitting.noise_test import is_model_error
 from reliab.discrepancy.fitting.prior import COST_BESIDE_ERROR, cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Promise
@@ -77,18 +78,27 @@ class ErrorSearch(Search):
         errors = self.error(candidate), leave_out(problem, forgetful)
         return self.likelihood(errors[0]) - self.likelihood(errors[1]) - COST_BESIDE_ERROR
 
+    def _promises_gain(self, best: Fit, basis: Array, residuals: Sequence[Array]) -> bool:
+        del best, basis, residuals
+        return True
+
     def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
         del rough, parent
         return -np.inf
 
     def run(self, begin: Fit | None = None) -> Fit:
-        """Add effects of the library, then special forms, then terms outside it; then take effects off."""
+        """Add effects of the library, then special forms, then terms outside it; then take effects off.
+
+        A model that leaves noise ends the search: noise is the judge then.
+        """
         beam = [begin or self.linear]
         for _ in range(_DEEPEST):
             children = self._children(beam, self.candidates, _TRIES)
             if not children or self._error(children[0]) > (1.0 - WORTH) * self._error(beam[0]):
                 break
             beam = children[:_BEAM]
+            if not is_model_error(*as_judged_by_noise(self.problem, self.best)):
+                return self.best
         for model in self._first(_BEAM):
             for kind in model.space.effects:
                 self.refine_in(model, kind)

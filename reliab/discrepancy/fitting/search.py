@@ -59,7 +59,7 @@ _AWAY = 2.0  # standard deviations between a parameter and its value without eff
 MOST_EFFECTS = 3
 _WORKERS = 2
 _BEAM, _DEEPEST_OUTSIDE = 2, 2
-_TRIES, _SCOUTS = 8, 4
+_TRIES = 8
 _CLOSE, _POSSIBLE, _CLEAR = 100.0, 7.0, 25.0  # nats
 
 
@@ -301,8 +301,9 @@ class Search:
         for _ in range(MOST_EFFECTS):
             if not is_model_error(self.problem, best):
                 return True
-            promising = [promise for promise in self.screen(best, kinds)[:_SCOUTS] if promise.start.size]
-            best = max(self._rough(best, promising), key=lambda promise: promise.log_likelihood, default=best)
+            promising = [promise for promise in self.screen(best, kinds)[:_TRIES] if promise.start.size]
+            rough = self._rough(best, promising)
+            best = refine_fit(self.problem, max(rough, key=lambda model: model.log_likelihood, default=best))
         return not is_model_error(self.problem, best)
 
     def _starts(self, promise: Promise) -> list[Array]:
@@ -458,12 +459,17 @@ class Search:
         if kind not in best.space.effects:
             return
         other_effects = tuple(effect for effect in best.space.effects if effect is not kind)
+        basis = np.linalg.qr(best.jacobian[:, best.free])[0]
         for special in library().values():
             if special.refines is not kind:
                 continue
             space = ModelSpace(best.space.block, (*other_effects, special))
             inherited_start, *fresh = space.replace_effect(best.space, best.coordinates, kind, special)
-            residuals = [self.problem.whiten(space, start, best.noise) for start in fresh]
+            inherited_residual, *residuals = [
+                self.problem.whiten(space, start, best.noise) for start in (inherited_start, *fresh)
+            ]
+            if not self._promises_gain(best, basis, [inherited_residual, *residuals]):
+                continue
             starts = [
                 inherited_start,
                 *(fresh[k] for k in np.argsort([rows @ rows for rows in residuals])[:1]),
@@ -471,6 +477,16 @@ class Search:
             candidate = self.fit(space, starts, best.noise)
             if self._matters(candidate, best):
                 self.keep(candidate)
+
+    def _promises_gain(self, best: Fit, basis: Array, residuals: Sequence[Array]) -> bool:
+        """Whether a special form pays its prior odds to first order, from some start.
+
+        `basis` spans what the parameters of the model change, shape (rows, size).
+        """
+        changes = np.stack(residuals) - best.residual
+        changes -= changes @ basis @ basis.T
+        gains = 0.5 * (changes @ best.residual) ** 2 / np.maximum((changes**2).sum(axis=1), 1e-300)
+        return bool((gains > COST).any())
 
     def exchange(self, fitted_model: Fit, kind: type[Effect], other: type[Effect]) -> Fit:
         """Fit a model with another effect in the place of one, whose parameters it has."""

@@ -451,9 +451,11 @@ def _remove_effect(
 ) -> RankedModel:
     """Return the best model without an effect of another one: refitted, or with still fewer effects.
 
-    Where no model is exact it may hold any linear effect: what those explain as well, no other one has shown.
+    Where no model is exact it may hold any linear effect in the place of another: what those explain as well,
+    no other one has shown.
     """
-    possible_effects = {*best.fit.space.effects, *search.problem.block.linear} - {kind}
+    linear = set(search.problem.block.linear)
+    possible_effects = set(best.fit.space.effects) - {kind} | (set() if kind in linear else linear)
     fit = search.remove_effect(best.fit, kind)
     rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= possible_effects]
     if all(row.fit is not fit for row in rows):
