@@ -314,18 +314,21 @@ def draw_by_importance(
     mean: Array = np.zeros(size)
     covariance = np.eye(size)
     points, logs = np.zeros((0, size)), np.zeros(0)
-    weights, mixture = np.zeros(0), []
+    weights, mixture, mixed = np.zeros(0), [], np.zeros(0)
     for _ in range(populations):
         shape = _WIDER**2 * covariance + _LEAST_VARIANCE * np.eye(size)
         mixture.append((mean, np.asarray(np.linalg.cholesky(shape))))
         fresh = _draw_student(mean, shape, population, rng)
         fresh_logs = log_density(fresh)
         possible = np.isfinite(fresh_logs)
-        points = np.concatenate([points, fresh[possible]])
+        fresh = fresh[possible]
+        fresh_mixed = np.logaddexp.reduce([_log_student(fresh, *component) for component in mixture])
+        mixed = np.concatenate([np.logaddexp(mixed, _log_student(points, *mixture[-1])), fresh_mixed])
+        points = np.concatenate([points, fresh])
         logs = np.concatenate([logs, fresh_logs[possible]])
         if len(points) <= size:
             break
-        ratios = logs - np.logaddexp.reduce([_log_student(points, *component) for component in mixture])
+        ratios = logs - mixed
         weights = weights_of(ratios)
         if effective_size(weights) >= enough:
             break
