@@ -37,7 +37,7 @@ _SKETCHED_RATE = 250.0  # Hz
 _CACHED_FORCES = 4  # of recordings, from the last models in two threads
 _AT_CUT = 25  # samples on either side of the cut between two tests
 _STEP_AT_CUT = 2.0  # times the largest step of these: one recording was cut there
-_MOVES = 0.2  # of the usual way in as many samples: the specimen moves on through the cut
+_AWAY = 0.5  # from rest, of the usual displacement and of the usual way in as many samples
 
 
 class SpecimenTerm(NamedTuple):
@@ -218,18 +218,22 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
 
 
 def _continues(earlier: MeasuredTest, later: MeasuredTest) -> bool:
-    """Whether a test goes on where another ends: one recording was cut while the specimen moved."""
+    """Whether a test goes on where another ends: one recording was cut while the specimen moved.
+
+    Tests of their own begin or end at rest, where the specimen neither moves nor is moved.
+    """
     for channel in (Channel.MEASURED, Channel.FORCE):
         before, after = earlier.channels[channel][-_AT_CUT:], later.channels[channel][:_AT_CUT]
         largest_step = max(float(np.abs(np.diff(values)).max()) for values in (before, after))
         if abs(float(after[0] - before[-1])) > _STEP_AT_CUT * largest_step:
             return False
     readings = [test.channels[Channel.MEASURED] for test in (earlier, later)]
-    if min(values.size for values in readings) <= 2 * _AT_CUT:
-        return False
-    range_at_cut = float(np.ptp(np.concatenate([readings[0][-_AT_CUT:], readings[1][:_AT_CUT]])))
-    moves = np.concatenate([values[2 * _AT_CUT :] - values[: -2 * _AT_CUT] for values in readings])
-    return range_at_cut > _MOVES * float(np.median(np.abs(moves)))
+    ends = (readings[0][-_AT_CUT:], readings[1][:_AT_CUT])
+    moves = np.concatenate([values[_AT_CUT - 1 :] - values[: 1 - _AT_CUT] for values in readings])
+    values = np.concatenate(readings)
+    places = [(end.mean() - values.mean()) / values.std() for end in ends]
+    ways = [(end[-1] - end[0]) / moves.std() for end in ends]
+    return bool(min(np.hypot(places, ways)) > _AWAY)
 
 
 def _remove_reading(model: HybridTest, reading: Motion3) -> Motion3:

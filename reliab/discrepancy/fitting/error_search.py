@@ -10,9 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise
+from reliab.discrepancy.fitting.fit import Fit, fit_without_memory
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
-from reliab.discrepancy.fitting.noise_test import is_model_error
 from reliab.discrepancy.fitting.prior import COST_BESIDE_ERROR, cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Promise
@@ -74,12 +73,12 @@ class ErrorSearch(Search):
             return False
         return self._needs_memory(candidate, smaller)
 
-    def _advantage(self, candidate: Fit, problem: Problem, forgetful: Fit) -> float:
-        errors = self.error(candidate), leave_out(problem, forgetful)
+    def _memory_odds(self, candidate: Fit) -> float:
+        errors = self.error(candidate), leave_out(*fit_without_memory(self.problem, candidate))
         return self.likelihood(errors[0]) - self.likelihood(errors[1]) - COST_BESIDE_ERROR
 
-    def _promises_gain(self, best: Fit, basis: Array, residuals: Sequence[Array]) -> bool:
-        del best, basis, residuals
+    def _promises_gain(self, best: Fit, residuals: Sequence[Array]) -> bool:
+        del best, residuals
         return True
 
     def _worth_refining(self, rough: Sequence[Fit], parent: Fit) -> float:
@@ -87,18 +86,13 @@ class ErrorSearch(Search):
         return -np.inf
 
     def run(self, begin: Fit | None = None) -> Fit:
-        """Add effects of the library, then special forms, then terms outside it; then take effects off.
-
-        A model that leaves noise ends the search: noise is the judge then.
-        """
+        """Add effects of the library, then special forms, then terms outside it; then take effects off."""
         beam = [begin or self.linear]
         for _ in range(_DEEPEST):
             children = self._children(beam, self.candidates, _TRIES)
             if not children or self._error(children[0]) > (1.0 - WORTH) * self._error(beam[0]):
                 break
             beam = children[:_BEAM]
-            if not is_model_error(*as_judged_by_noise(self.problem, self.best)):
-                return self.best
         for model in self._first(_BEAM):
             for kind in model.space.effects:
                 self.refine_in(model, kind)

@@ -95,6 +95,14 @@ def refine_fit(problem: Problem, fitted_model: Fit) -> Fit:
     return fitted_model
 
 
+def fit_without_memory(problem: Problem, fitted_model: Fit) -> tuple[Problem, Fit]:
+    """Fit the same model to a specimen that knows from the beginning how far it will be moved."""
+    forgetful_problem = replace(problem, block=problem.block.without_memory())
+    space = ModelSpace(forgetful_problem.block, fitted_model.space.effects)
+    rough = fit(forgetful_problem, space, [fitted_model.coordinates], fitted_model.noise)
+    return forgetful_problem, refine_fit(forgetful_problem, rough)
+
+
 def as_judged_by_noise(problem: Problem, fitted_model: Fit) -> tuple[Problem, Fit]:
     """Return the problem and the model as noise judges them, where they were judged in the channel's unit."""
     if not problem.flat:

@@ -57,6 +57,18 @@ def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]],
     ]
 
 
+def gains_beside(fitted_model: Fit, residuals: Array) -> Array:
+    """Gains of log-likelihood to first order of models beside a fitted one, from their residuals.
+
+    `residuals`: shape (models, rows). What the parameters of the fitted model change, too, does not count.
+    """
+    basis = np.linalg.qr(fitted_model.jacobian[:, fitted_model.free])[0]
+    changes = residuals - fitted_model.residual
+    changes -= changes @ basis @ basis.T
+    sizes = np.maximum((changes**2).sum(axis=1), 1e-300)
+    return np.asarray(0.5 * (changes @ fitted_model.residual) ** 2 / sizes)
+
+
 def _screen_effect(
     problem: Problem, parent: Fit, sketch_residual: Array, basis: Array, kind: type[Effect], null: Fit
 ) -> Promise:

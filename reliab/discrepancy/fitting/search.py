@@ -2,23 +2,38 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from functools import cached_property, reduce
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit, fit, refine_fit, reweight_fit, sharpen_fit
+from reliab.discrepancy.fitting.fit import (
+    Fit,
+    fit,
+    fit_without_memory,
+    refine_fit,
+    reweight_fit,
+    sharpen_fit,
+)
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
 from reliab.discrepancy.fitting.noise_test import is_model_error, is_spread
-from reliab.discrepancy.fitting.prior import COST, GENERAL_COST, cost
+from reliab.discrepancy.fitting.prior import (
+    AUDIBLE,
+    COST,
+    GENERAL_COST,
+    LEAST_SHARE,
+    MATERIAL,
+    NOTICEABLE,
+    cost,
+)
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import (
     LIMITS,
     Promise,
     acts,
     exceeds_rounding,
+    gains_beside,
     line_terms,
     screen_effects,
     takes_over_delay,
@@ -30,30 +45,7 @@ from reliab.effects.general.general_term import is_general
 from reliab.effects.registry import library
 from reliab.signals.noise import NoiseModel
 
-LEAST_SHARE = 0.01
-"""Share of the gap's energy that an effect must close to be named beside others.
-
-No model of a machine is exact: in long records even model errors of a tenth of the largest effect are
-significant. One that takes a tenth off the RMS of all that is left, on left-out tests as in training,
-is no trifle, however large the gap was."""
-
-AUDIBLE = 0.02
-"""Share of the noise's energy that an effect outside the library must have.
-
-Every recording contains traces far below its noise that no effect of the library explains."""
-
-MATERIAL = 0.19
-"""Share of the error's energy on left-out tests, a tenth of its RMS, that an effect must remove where the
-remainder is not noise.
-
-An error of the model follows the motion, so that nearly any effect explains some of it. The evidence treats
-this error as noise, so that a tiny improvement would appear certain."""
-
 _NO_WORSE = 0.02  # growth of the error on left-out tests that noise brings about
-NOTICEABLE = 0.002
-"""Share of the error's energy on left-out tests, a thousandth of its RMS in the channel's unit, that every
-effect must remove: evidence alone may praise one that changes no prediction."""
-
 _AWAY = 2.0  # standard deviations between a parameter and its value without effect
 
 MOST_EFFECTS = 3
@@ -162,20 +154,11 @@ class Search:
         Its memory is one more assumption: without it, it may be nothing but a spring that is not linear.
         """
         added_effects = set(candidate.space.effects) - set(smaller.space.effects)
-        if not any(kind.remembers_peaks for kind in added_effects):
-            return True
-        problem = self._forgetful_problem
-        space = ModelSpace(problem.block, candidate.space.effects)
-        rough = fit(problem, space, [candidate.coordinates], candidate.noise)
-        return self._advantage(candidate, problem, refine_fit(problem, rough)) > 0.0
+        return not any(kind.remembers_peaks for kind in added_effects) or self._memory_odds(candidate) > 0.0
 
-    @cached_property
-    def _forgetful_problem(self) -> Problem:
-        return replace(self.problem, block=self.problem.block.without_memory())
-
-    def _advantage(self, candidate: Fit, problem: Problem, forgetful: Fit) -> float:
-        """Odds of a model against the same without its memory, as a logarithm with the prior's."""
-        del problem
+    def _memory_odds(self, candidate: Fit) -> float:
+        """Odds of a model against the same without its memory, as a logarithm."""
+        _, forgetful = fit_without_memory(self.problem, candidate)
         return candidate.log_evidence - forgetful.log_evidence - COST
 
     def _is_shift(self, candidate: Fit, added_effects: set[type[Effect]]) -> bool:
@@ -248,9 +231,7 @@ class Search:
         """Give effects that may be added to a model, those of the largest promise first."""
         promises = self._promises.setdefault(parent, {})
         fresh = [kind for kind in kinds if kind not in promises]
-        promises |= {
-            promise.kind: promise for promise in screen_effects(self.problem, parent, fresh, self.null)
-        }
+        promises |= {one.kind: one for one in screen_effects(self.problem, parent, fresh, self.null)}
         known = [promises[kind] for kind in kinds if kind in promises]
         return sorted(known, key=lambda promise: -promise.gain)
 
@@ -301,8 +282,7 @@ class Search:
         for _ in range(MOST_EFFECTS):
             if not is_model_error(self.problem, best):
                 return True
-            promising = [promise for promise in self.screen(best, kinds)[:_TRIES] if promise.start.size]
-            rough = self._rough(best, promising)
+            rough = self._rough(best, [one for one in self.screen(best, kinds)[:_TRIES] if one.start.size])
             best = refine_fit(self.problem, max(rough, key=lambda model: model.log_likelihood, default=best))
         return not is_model_error(self.problem, best)
 
@@ -459,34 +439,22 @@ class Search:
         if kind not in best.space.effects:
             return
         other_effects = tuple(effect for effect in best.space.effects if effect is not kind)
-        basis = np.linalg.qr(best.jacobian[:, best.free])[0]
         for special in library().values():
             if special.refines is not kind:
                 continue
             space = ModelSpace(best.space.block, (*other_effects, special))
-            inherited_start, *fresh = space.replace_effect(best.space, best.coordinates, kind, special)
-            inherited_residual, *residuals = [
-                self.problem.whiten(space, start, best.noise) for start in (inherited_start, *fresh)
-            ]
-            if not self._promises_gain(best, basis, [inherited_residual, *residuals]):
+            starts = space.replace_effect(best.space, best.coordinates, kind, special)
+            residuals = [self.problem.whiten(space, start, best.noise) for start in starts]
+            if not self._promises_gain(best, residuals):
                 continue
-            starts = [
-                inherited_start,
-                *(fresh[k] for k in np.argsort([rows @ rows for rows in residuals])[:1]),
-            ]
-            candidate = self.fit(space, starts, best.noise)
+            fresh = sorted(range(1, len(starts)), key=lambda k: float(residuals[k] @ residuals[k]))[:1]
+            candidate = self.fit(space, [starts[k] for k in (0, *fresh)], best.noise)
             if self._matters(candidate, best):
                 self.keep(candidate)
 
-    def _promises_gain(self, best: Fit, basis: Array, residuals: Sequence[Array]) -> bool:
-        """Whether a special form pays its prior odds to first order, from some start.
-
-        `basis` spans what the parameters of the model change, shape (rows, size).
-        """
-        changes = np.stack(residuals) - best.residual
-        changes -= changes @ basis @ basis.T
-        gains = 0.5 * (changes @ best.residual) ** 2 / np.maximum((changes**2).sum(axis=1), 1e-300)
-        return bool((gains > COST).any())
+    def _promises_gain(self, best: Fit, residuals: Sequence[Array]) -> bool:
+        """Whether a special form pays its prior odds to first order, by its residuals at some starts."""
+        return bool((gains_beside(best, np.stack(residuals)) > COST).any())
 
     def exchange(self, fitted_model: Fit, kind: type[Effect], other: type[Effect]) -> Fit:
         """Fit a model with another effect in the place of one, whose parameters it has."""

@@ -11,9 +11,9 @@ from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut, errors_of_parts
 from reliab.discrepancy.fitting.noise_test import is_noise
-from reliab.discrepancy.fitting.prior import cost_beside_error
+from reliab.discrepancy.fitting.prior import LEAST_SHARE, MATERIAL, cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
-from reliab.discrepancy.fitting.search import LEAST_SHARE, MATERIAL, Search
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
@@ -357,7 +357,9 @@ def _weigh(
     if not kinds:
         return {}, set()
     likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
-    plain = _without_terms(search, rows, best, proof)
+    plain = best
+    for kind in filter(is_general, best.fit.space.effects):
+        plain = _remove_effect(search, rows, plain, kind, proof)
     plainer = smaller
     if plain is not best:
         plainer = {kind: _remove_effect(search, rows, plain, kind, proof) for kind in kinds}
@@ -406,15 +408,6 @@ def _find_trifles(
         and best.held_out**2 > (1.0 - MATERIAL) * row.held_out**2
         and not _is_silent(search, best, row, proof)
     }
-
-
-def _without_terms(
-    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
-) -> RankedModel:
-    """Return the best model without its terms outside the library; itself if it has none."""
-    for kind in filter(is_general, best.fit.space.effects):
-        best = _remove_effect(search, rows, best, kind, proof)
-    return best
 
 
 def _rivals(

@@ -18,10 +18,10 @@ from reliab.discrepancy.fitting.noise_test import (
     noise_like_tests,
     share_structured,
 )
-from reliab.discrepancy.fitting.prior import COST
+from reliab.discrepancy.fitting.prior import COST, MATERIAL
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screen_effects
-from reliab.discrepancy.fitting.search import MATERIAL, Search
+from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.locate import Finding, locate
 from reliab.discrepancy.naming.choice import (
