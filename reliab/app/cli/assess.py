@@ -30,7 +30,6 @@ from reliab.core.vocabulary import ERROR_NAMES, Metric
 if TYPE_CHECKING:
     from reliab.assessment.assess import AnyAssessment
     from reliab.assessment.assessment import Assessment
-    from reliab.assessment.same_test import SameTest
     from reliab.assessment.several import Assessments
 
 _COMMON_OPTIONS = ("tests", "out", "check")
@@ -89,7 +88,10 @@ def extrapolate(request: Request) -> None:
     if request.out is not None:
         write_tests([{"file": file, **content} for file, content in runs.to_dict().items()], request.out)
     if not write_json(extrapolation.to_dict(), request.json_target):
-        show_same_test(extrapolation)
+        verdict = f"{ERROR_NAMES[extrapolation.metric]} against {percent(extrapolation.threshold)}"
+        title = f"{len(extrapolation.runs)} runs of one test, {verdict}"
+        show_rows(title, extrapolation.table_columns, extrapolation.plain_rows())
+        say(*extrapolation.sentences)
     if request.check and not extrapolation.reliable:
         raise typer.Exit(1)
 
@@ -238,14 +240,6 @@ def show_several(contents: list[dict[str, Any]]) -> None:
     show_rows(title, Assessments.table_columns, contents)
     for content in contents:
         say(*(f"{content['file']}: {sentence}" for sentence in _explain_verdict(content)))
-
-
-def show_same_test(runs: "SameTest") -> None:
-    """Print the verdicts on runs of one test."""
-    request = f"{ERROR_NAMES[runs.metric]} against {percent(runs.threshold)}"
-    title = f"{len(runs.runs)} runs of one test, {request}"
-    show_rows(title, runs.table_columns, runs.plain_rows())
-    say(*runs.sentences)
 
 
 def _explain_verdict(content: dict[str, Any]) -> list[str]:

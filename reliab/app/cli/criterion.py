@@ -97,23 +97,15 @@ def limits_in_words(row: Mapping[str, Any]) -> str:
 
 def show_criteria(content: Mapping[str, Any], *, details: bool) -> None:
     """Print criteria, with `details` how they were derived, and what else was asked for."""
-    _show_limits(content["criteria"], content.get("posteriors", ()), details=details)
-    for name, show in _BESIDE.items():
-        if name in content:
-            show(content[name])
-
-
-def _show_limits(
-    rows: Sequence[Mapping[str, Any]], posteriors: Sequence[Mapping[str, Any]], *, details: bool
-) -> None:
     from reliab.app.api.derived_criteria import Criteria
 
+    rows = content["criteria"]
     first = rows[0]
     say(limits_in_words(first), style="bold")
     sample = f"{first['n_motions']} {first['motions']} of {first['n_events']} earthquakes"
     show_rows(f"(A − 1)²/a + d²/b ≤ 1 from {sample}", Criteria.table_columns, rows)
     say_population(((row["confidence"], row["population"]) for row in rows), first["position"])
-    for posterior in posteriors:
+    for posterior in content.get("posteriors", ()):
         _show_posterior(posterior)
     notes = tuple(dict.fromkeys(f"Note: {warning}" for row in rows for warning in row["warnings"]))
     if details:
@@ -125,6 +117,9 @@ def _show_limits(
         hidden = f"{counted(len(notes) - shown, 'note')}, method" if notes[shown:] else "Method"
         say(*notes[:shown], f"{hidden} and definitions: run with --details.")
         say(f"Next step: judge a test with `reliab assess TEST --f {first['f']:g} --xi {first['xi']:g}`.")
+    for name, show in _BESIDE.items():
+        if name in content:
+            show(content[name])
 
 
 def _definitions(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
