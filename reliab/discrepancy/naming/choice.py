@@ -137,13 +137,18 @@ def _softmax(scores: Array) -> Array:
 
 def probability(rows: Sequence[RankedModel], effect: type[Effect]) -> float:
     """Probability that an effect acts, in whichever variant or form: of all models that contain one."""
-    kinds = _kinds(effect)
-    return float(sum(r.probability for r in rows if any(kinds & _kinds(e) for e in r.fit.space.effects)))
+    return float(sum(row.probability for row in rows if _holds(row, effect)))
 
 
-def _kinds(effect: type[Effect]) -> set[str]:
-    """Names by which an effect, its special forms and compositions with it are one."""
-    return {kind.label() for kind in (effect, effect.refines, *effect.members) if kind is not None}
+def _holds(row: RankedModel, effect: type[Effect]) -> bool:
+    """Whether a model holds an effect in some form: itself, a form of one kind, or a composition with it."""
+    forms = {kind.label() for kind in (effect, effect.refines) if kind is not None}
+    return any(
+        kind.label() in forms
+        for other in row.fit.space.effects
+        for kind in (other, other.refines, *other.members)
+        if kind is not None
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -197,11 +202,7 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
 
 def best_rival(rows: Sequence[RankedModel], effects: Sequence[type[Effect]]) -> RankedModel | None:
     """Find the model of the smallest error on held-out tests that lacks some effect in whichever form."""
-    rivals = [
-        row
-        for row in rows
-        if not all(any(_kinds(kind) & _kinds(other) for other in row.fit.space.effects) for kind in effects)
-    ]
+    rivals = [row for row in rows if not all(_holds(row, kind) for kind in effects)]
     return min(rivals, key=lambda row: row.held_out, default=None)
 
 
@@ -417,10 +418,7 @@ def _rivals(
     linear = set(search.problem.block.linear)
     most = len(set(model.fit.space.effects) - linear)
     rivals = [
-        row
-        for row in rows
-        if len(set(row.fit.space.effects) - linear) <= most
-        and not any(_kinds(kind) & _kinds(effect) for effect in row.fit.space.effects)
+        row for row in rows if len(set(row.fit.space.effects) - linear) <= most and not _holds(row, kind)
     ]
     return [_remove_effect(search, rows, model, kind, proof), *rivals]
 

@@ -50,7 +50,8 @@ def discrepancy_report(
     ]
     if diagnosis.criterion_shift is not None:
         sections.append(_shift(diagnosis.criterion_shift))
-    remarks = (*diagnosis.remarks, *(posterior.statement for posterior in sampled.values()), *notes)
+    convergence = (f"{block.capitalize()}: {one.statement}" for block, one in sampled.items())
+    remarks = (*diagnosis.remarks, *convergence, *notes)
     return Document(
         kind="Diagnosis of a measured campaign",
         title=diagnosis.campaign.name,
