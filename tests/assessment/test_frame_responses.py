@@ -154,6 +154,7 @@ def test_a_recorded_ground_acceleration_is_compared_beside_a_specimen_known_by_i
         assess(replace(recording, ground=ground / 9.80665), STATED, measured_specimen=True)
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_the_interval_holds_the_errors_of_another_structure_within_tolerances():
     ground = shaken(8)
     tested_frame = TWO_STOREYS.with_storeys("stiffness", np.array([0.97, 1.03]))
