@@ -55,7 +55,7 @@ def command():
 
 @pytest.fixture(scope="module")
 def rebuilt(command):
-    return rebuild(command, GAIN * command, STEP, FRAME, draws=32)
+    return rebuild(command, GAIN * command, STEP, FRAME, draws=256)
 
 
 def test_error_of_a_yielding_frame_equals_its_integration(command, rebuilt):
