@@ -6,7 +6,7 @@ from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.gap import Gap, Remainder
+from reliab.discrepancy.result.gap import NO_CHANGE, Gap, Remainder
 from reliab.report.numbers import Significant, write_in_line
 from reliab.report.prose import Prose, probability, prose, spell_out, words_of
 
@@ -74,9 +74,10 @@ def _describe_closed_gap(diagnosis: Diagnosis) -> str:
     gap = max(gaps, key=lambda one: one.worst_unexplained_share or 0.0)
     is_one = len(diagnosis.effects) + (diagnosis.unknown is not None) == 1
     with_effects = "With it" if is_one else "With them"
+    before, after = map(write_share_of_signal, (gap.before, gap.after))
+    change = f"falls from {before} to" if gap.after < (1.0 - NO_CHANGE) * gap.before else "stays at"
     of_all = (
-        f"{with_effects} the error in {gap.channel} on held-out tests falls from "
-        f"{write_share_of_signal(gap.before)} to {write_share_of_signal(gap.after)} of the "
+        f"{with_effects} the error in {gap.channel} on held-out tests {change} {after} of the "
         f"signal{_describe_other_gaps(gap)}: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
