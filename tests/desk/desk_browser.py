@@ -28,6 +28,15 @@ return texts.join(' ');
 """
 
 
+_POINTS = """
+for (const document of Bokeh.documents)
+  for (const model of document._all_models.values())
+    if (model.type === "LegendItem" && model.label.value === arguments[0])
+      return model.renderers[0].data_source.get_column("x").length;
+return null;
+"""
+
+
 class DeskBrowser:
     def __init__(self, chrome, address):
         self.chrome, self.address = chrome, address
@@ -50,6 +59,10 @@ class DeskBrowser:
 
     def wait_for(self, words, patience=PATIENCE):
         self.until(lambda: words in self.text(), patience)
+
+    def count_points(self, label):
+        """Count the points of a curve that is drawn, by its label in the legend."""
+        return self.chrome.execute_script(_POINTS, label)
 
     def drop(self, path, place=0):
         self.elements("input[type=file]")[place].send_keys(str(path))
