@@ -2,10 +2,12 @@
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
+from assessment.inference.simulated_loop import play
 from coupled_structures import coupled_response, described, node
 
 import reliab
@@ -205,20 +207,12 @@ def replace_readings(file, smooth_values):
     )
 
 
-def play(motion, width=0.01):
-    """Readings of a sensor with a hysteresis."""
-    radius, reading = 0.5 * width * np.ptp(motion), [motion[0]]
-    for place in motion[1:]:
-        reading.append(min(max(reading[-1], place - radius), place + radius))
-    return np.array(reading)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("smooth_values", "stated_values"),
     [
         (lambda motion: LowPass(corner=30.0).apply(motion, STEP), {"filter": ["measured=30"]}),
-        (play, {"hysteresis": 0.01}),
+        (partial(play, width=0.01), {"hysteresis": 0.01}),
     ],
 )
 def test_filters_and_hysteresis_of_all_sensors_are_taken_off(recording_file, smooth_values, stated_values):

@@ -130,10 +130,8 @@ class ChannelSpectra:
 
         `width` of their hysteresis over the span [-], shape (p,).
         """
-        place, actuators = (
-            np.clip(np.searchsorted(_WIDTHS, width) - 1, 0, _WIDTHS.size - 2),
-            np.arange(width.size),
-        )
+        place = np.clip(np.searchsorted(_WIDTHS, width) - 1, 0, _WIDTHS.size - 2)
+        actuators = np.arange(width.size)
         share = (width - _WIDTHS[place]) / (_WIDTHS[place + 1] - _WIDTHS[place])
         low, high = self._hysteresis_lags[place, actuators], self._hysteresis_lags[place + 1, actuators]
         return np.asarray(low + share[:, np.newaxis] * (high - low))

@@ -1,4 +1,4 @@
-"""A hybrid test of one mass, stepped at a fine rate by its differential equation: nothing of the package."""
+"""A test of one mass, stepped finely by its differential equation, and a play: nothing of the package."""
 
 from dataclasses import dataclass
 
@@ -79,3 +79,11 @@ def earthquake(*, duration, time_step, seed, corner=8.0):
     envelope = np.minimum(time / 3.0, 1.0) * np.exp(-np.maximum(time - 12.0, 0.0) / 5.0)
     motion = shaped * envelope
     return motion / np.abs(motion).max() * 3.0
+
+
+def play(motion, width):
+    """Readings of a sensor whose loop is as wide as a share of the span."""
+    radius, reading = 0.5 * width * np.ptp(motion), [motion[0]]
+    for place in motion[1:]:
+        reading.append(min(max(reading[-1], place - radius), place + radius))
+    return np.array(reading)

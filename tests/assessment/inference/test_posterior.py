@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from assessment.inference.simulated_loop import earthquake, simulate
+from assessment.inference.simulated_loop import earthquake, play, simulate
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
@@ -70,14 +70,6 @@ def test_ground_acceleration_shows_frequency_and_damping(late_test):
     assert frequency == pytest.approx(1.0, abs=5e-4)
     assert ratio == pytest.approx(0.03, rel=0.01)
     assert posterior.deviations["frequency"] < 0.05 * 0.02
-
-
-def play(motion, width):
-    """Readings of a sensor whose loop is as wide as a share of the span."""
-    radius, reading = 0.5 * width * np.ptp(motion), [motion[0]]
-    for place in motion[1:]:
-        reading.append(min(max(reading[-1], place - radius), place + radius))
-    return np.array(reading)
 
 
 def test_hysteresis_of_a_sensor_is_mistaken_for_nothing_else():
