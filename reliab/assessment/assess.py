@@ -36,7 +36,6 @@ from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
 from reliab.criterion.criterion import Criterion
 from reliab.recordings.behaviour import remove_spikes
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
@@ -59,7 +58,7 @@ _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel ca
 
 
 def assess(
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     structure: "Structure | FrameUnderTest",
     *,
     stated: Mapping[str, StatedValue] | None = None,
@@ -80,7 +79,7 @@ def assess(
 
     Parameters
     ----------
-    recording : Recording or CoupledRecording
+    recording : Recording
         The test; of a frame command and measured displacement at the interface, or those of several
         actuators.
     structure : Structure or FrameUnderTest
@@ -179,23 +178,22 @@ def assess(
     return assessment.add_doubts(doubt for check in CHECKS for doubt in check(judged))
 
 
-def _shows_nonlinear_specimen(recording: Recording | CoupledRecording, question: Question) -> bool:
+def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
     """Whether a specimen of which nothing is stated is nonlinear by its recorded force."""
     is_open = question.linear and not (question.linear_specimen or question.equipment.is_exact)
-    if not is_open or "mass" not in question.stated or isinstance(recording, CoupledRecording):
+    if not is_open or "mass" not in question.stated or recording.has_several:
         return False
     return bool(looks_nonlinear(remove_spikes(recording)[0], question.structure))
 
 
-def _require_judgeable(recording: Recording | CoupledRecording, question: Question) -> None:
+def _require_judgeable(recording: Recording, question: Question) -> None:
     """Refuse a recording that cannot be that of the test."""
     require_length(recording, question.structure.frequency)
-    if isinstance(recording, Recording):
-        require_drawable(recording, question.full_structure)
+    require_drawable(recording, question.full_structure)
     for number, channel in _moving_channels(recording):
         stiffness = question.stiffness_of_specimen(number)
         require_plausible(channel, stiffness=stiffness, linear=question.linear)
-    if isinstance(recording, Recording) and question.mass is not None and question.linear:
+    if question.frame is None and question.mass is not None and question.linear:
         sound, *_ = remove_spikes(recording)
         require_unit_of_force(
             sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
@@ -204,19 +202,14 @@ def _require_judgeable(recording: Recording | CoupledRecording, question: Questi
         quantity.require_possible(quantity.stated_deviation(question.stated))
 
 
-def _moving_channels(recording: Recording | CoupledRecording) -> Iterator[tuple[int, Recording]]:
+def _moving_channels(recording: Recording) -> Iterator[tuple[int, Recording]]:
     """Give the channels of all actuators that move, each with its place."""
-    if isinstance(recording, Recording):
-        yield 0, recording
-        return
-    ranges = np.ptp(recording.command, axis=1)
+    ranges = np.ptp(np.atleast_2d(recording.command), axis=1)
     for number in np.flatnonzero(ranges > _SMALL_MOTION * ranges.max()).tolist():
-        yield number, recording.select_actuator(number)
+        yield number, recording.select_actuator(number) if recording.has_several else recording
 
 
-def _find_faults(
-    recording: Recording | CoupledRecording, question: Question
-) -> tuple[tuple[Fault, ...], TrackingIndex | None]:
+def _find_faults(recording: Recording, question: Question) -> tuple[tuple[Fault, ...], TrackingIndex | None]:
     """Find the faults of all channels, and how an only actuator tracked but for its spikes."""
     shares = question.full_structure.shares_at_sensors(question.to_interface)
     faults: list[Fault] = []
@@ -228,14 +221,14 @@ def _find_faults(
             experimental_fraction=float(shares[number]),
             seed=question.seed,
         )
-        if isinstance(recording, CoupledRecording):
+        if recording.has_several:
             found = tuple(fault.assign_actuator(number, recording) for fault in found)
         faults += found
-    return tuple(faults), tracking if isinstance(recording, Recording) else None
+    return tuple(faults), None if recording.has_several else tracking
 
 
 def _judge(
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     question: Question,
     criterion: Criterion | None,
     motion: "Motion | None",
@@ -248,11 +241,11 @@ def _judge(
     """
     faults, tracking = _find_faults(recording, question)
     sound = repair_recording(recording, faults)
-    if isinstance(sound, Recording) and faults:
+    if tracking is not None and faults:
         tracking = track(sound, seed=question.seed)
     asked = question if has_damping else _broaden_damping(question)
     nonlinear = ""
-    if isinstance(sound, Recording) and question.frame is None and question.linear:
+    if question.frame is None and question.linear:
         nonlinear = looks_nonlinear(sound, question.structure)
     error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
     equation = OwnEquation(notes=error.ground.notes, doubts=error.ground.doubts)
@@ -270,23 +263,16 @@ def _judge(
         effects=effects,
         equation=equation,
         turning=examine_turning(error, recording, question),
-        column_doubts=()
-        if tracking is None or isinstance(recording, CoupledRecording)
-        else tuple(doubts_of_columns(recording, tracking)),
+        column_doubts=() if tracking is None else tuple(doubts_of_columns(recording, tracking)),
         verdict=verdict_of_error(error),
     )
 
 
 def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
     """Place a test of one mass in the (A, d) plane, and put together what was found."""
-    recording, sound, error, tracking = judged.recording, judged.sound, judged.error, judged.tracking
+    sound, error, tracking = judged.sound, judged.error, judged.tracking
     question, criterion = judged.question, judged.criterion
-    if not (
-        isinstance(recording, Recording)
-        and isinstance(sound, Recording)
-        and tracking is not None
-        and criterion is not None
-    ):
+    if tracking is None or criterion is None:
         raise AssertionError  # one mass has one actuator
     structure, reference = question.structure, error.reference
     return Assessment(

@@ -85,7 +85,7 @@ def check_frequency(test: JudgedError) -> Iterator[Doubt]:
     structure, unless the channels are no likelier with one that resonates there.
     """
     recording, tracking, question = test.sound, test.tracking, test.question
-    if tracking is None or not isinstance(recording, Recording) or not question.linear:
+    if tracking is None or not question.linear:
         return
     frequencies = question.full_structure.modes[0].tolist()
     moves = tracking.plain.equivalent_frequency
@@ -191,7 +191,7 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
 def check_columns(test: JudgedError) -> Iterator[Doubt]:
     """See whether the verdict would be another one if columns that may be swapped are."""
     sound, error = test.sound, test.error
-    if not test.column_doubts or not isinstance(sound, Recording):
+    if not test.column_doubts:
         return
     swapped_test = replace(sound, command=sound.measured, measured=sound.command)
     probability = error_of_test(swapped_test, test.question).probability

@@ -30,7 +30,6 @@ from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -77,7 +76,7 @@ class Question:
         """The structure with its specimen."""
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
-    def rebuilt_structure(self, recording: Recording | CoupledRecording) -> Partition:
+    def rebuilt_structure(self, recording: Recording) -> Partition:
         """Structure with which the error of a test is rebuilt; of a measured specimen with its mass [kg]."""
         if self.model is not None:
             from reliab.assessment.modelled_test import tangent_structure
@@ -85,15 +84,14 @@ class Question:
             return tangent_structure(self.model.test)
         if self.linear:
             return self.full_structure
-        force = recording.force if isinstance(recording, Recording) else None
         if self.frame is None and self.mass is None:
             raise InputError(
                 "A measured specimen needs its force and the mass of the structure",
-                value="no force" if force is None else "no `mass`",
+                value="no force" if recording.force is None else "no `mass`",
                 remedy="Record the force that was fed back, and state `mass` in kilograms",
                 where=recording.name,
             )
-        if force is None:
+        if recording.force is None:
             raise InputError(
                 "A measured specimen needs its force",
                 value="a recording without force",
@@ -130,10 +128,10 @@ class Question:
         """Interface displacements per unit of each channel [-], shape (p, p)."""
         return np.eye(1) if self.frame is None else self.frame.to_interface
 
-    def may_have_yielded(self, recording: Recording | CoupledRecording) -> bool:
+    def may_have_yielded(self, recording: Recording) -> bool:
         """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
         return (
-            isinstance(recording, Recording)
+            not recording.has_several
             and self.linear
             and not self.linear_specimen
             and recording.force is None
@@ -383,7 +381,7 @@ class ErrorOfDegree(PlainResult):
 
 
 def error_of_test(
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     question: Question,
     *,
     known_offsets: Collection[int] = (),
@@ -402,7 +400,7 @@ def error_of_test(
         recording.measured,
         recording.time_step,
         structure,
-        to_interface=question.to_interface if isinstance(recording, CoupledRecording) else None,
+        to_interface=question.to_interface,
         ground=recording.ground if question.model is None else None,
         force=_channel_of_force(recording, question),
         sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
@@ -422,22 +420,19 @@ def error_of_test(
     )
 
 
-def _true_channels(
-    recording: Recording | CoupledRecording, question: Question
-) -> Recording | CoupledRecording:
+def _true_channels(recording: Recording, question: Question) -> Recording:
     """Channels with the stated scale of the sensor, and the curves of large motions, taken away."""
-    if isinstance(recording, Recording):
-        scale = question.stated.get("scale", StatedValue(1.0)).value
-        return replace(recording, measured=recording.measured / scale)
+    scale = question.stated.get("scale", StatedValue(1.0)).value
+    recording = replace(recording, measured=recording.measured / scale)
     if question.frame is None:
-        raise AssertionError  # one mass has one actuator
+        return recording
     straighten = question.frame.straighten
     return replace(recording, command=straighten(recording.command), measured=straighten(recording.measured))
 
 
-def _channel_of_force(recording: Recording | CoupledRecording, question: Question) -> Array | None:
+def _channel_of_force(recording: Recording, question: Question) -> Array | None:
     """Return the recorded force [N], of a specimen that is taken as linear over the mass [N/kg], if known."""
-    if isinstance(recording, CoupledRecording) or recording.force is None or question.model is not None:
+    if recording.force is None or question.model is not None:
         return None
     if question.measured_specimen:
         return recording.force
@@ -445,7 +440,7 @@ def _channel_of_force(recording: Recording | CoupledRecording, question: Questio
 
 
 def _rebuild(
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     question: Question,
     readings: Readings,
     circumstances: Circumstances,
@@ -456,7 +451,7 @@ def _rebuild(
 
         test, deviations = question.model.test, question.model.deviations
         return rebuild_modelled(readings, test, deviations, circumstances, seed=question.seed), None
-    if question.measured_specimen and isinstance(recording, Recording):
+    if question.measured_specimen:
         from reliab.assessment.measured_specimen.rebuild import rebuild_learned
 
         force, channel = recording.force, question.force_channel
@@ -465,10 +460,10 @@ def _rebuild(
     return readings.rebuilt(infer_errors(circumstances, readings.stride, question.seed)), None
 
 
-def _open_filter(recording: Recording | CoupledRecording, question: Question) -> dict[str, float]:
+def _open_filter(recording: Recording, question: Question) -> dict[str, float]:
     """Delay [s] of a filter that noise shows where no filter is stated, and the command may have passed."""
     is_stated = question.equipment.is_exact or "filter_delay" in question.stated
-    if is_stated or question.frame is not None or isinstance(recording, CoupledRecording):
+    if is_stated or question.frame is not None:
         return {}
     filtering = filter_of_noise(recording.command, recording.measured, recording.time_step)
     return {} if filtering is None else {"open_filter": filtering.delay}

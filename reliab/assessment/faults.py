@@ -8,7 +8,7 @@ shifts the structure's mean position.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import ClassVar, Final, TypeVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +20,12 @@ from reliab.core.plain_values import Keys, PlainResult
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import MILLI
 from reliab.recordings.behaviour import remove_spikes, zero_of
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.signals.cubic_path import CubicPath
 
 COPY_TOLERANCE: Final = 1e-6
 """Largest difference of a copied channel, over the command's peak [-]; sensors are noisier."""
 
-AnyRecording = TypeVar("AnyRecording", bound=Recording | CoupledRecording)
 _FEWEST_BLOCKS, _MOST_BLOCKS = 6, 40
 _PERIODS_OF_A_BLOCK = 2.0
 _SIGNIFICANT = 4.0  # standard errors
@@ -68,7 +66,7 @@ class Fault:
     actuator: str = ""
     place: int = 0
 
-    def assign_actuator(self, place: int, recording: CoupledRecording) -> "Fault":
+    def assign_actuator(self, place: int, recording: Recording) -> "Fault":
         """Give the same fault as one of the channels of several actuators."""
 
         def among_all(channel_error: Array | None) -> Array | None:
@@ -101,7 +99,7 @@ class Fault:
         return self.in_measured is not None or self.in_command is not None
 
 
-def repair_recording(recording: AnyRecording, faults: Iterable[Fault]) -> AnyRecording:
+def repair_recording(recording: Recording, faults: Iterable[Fault]) -> Recording:
     """Remove faults from a recording."""
     command, measured_displacement = recording.command, recording.measured
     for fault in faults:
@@ -424,7 +422,7 @@ class FaultEffect(PlainResult):
 
 
 def error_with_faults(
-    recording: Recording | CoupledRecording, faults: Sequence[Fault], question: Question
+    recording: Recording, faults: Sequence[Fault], question: Question
 ) -> tuple[ErrorOfTest, tuple[FaultEffect, ...]]:
     """Error of the test without the faults that the loop did not feel, and the effect of each fault on it.
 

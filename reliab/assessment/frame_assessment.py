@@ -20,7 +20,6 @@ from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.criterion.criterion import Criterion
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
@@ -249,7 +248,7 @@ class CoupledAssessment(JudgedFrame):
         },
     }
 
-    recording: CoupledRecording
+    recording: Recording
     error: ErrorOfTest
     # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
     limit_of_gains: bool = True

@@ -16,7 +16,6 @@ from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.criterion.criterion import Criterion
 from reliab.motions.motion import Motion
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit, stability_limit
@@ -28,8 +27,8 @@ _SAME_SHARE = 1e-3
 
 
 def fit_to_frame(
-    recording: Recording | CoupledRecording, question: Question, criterion: Criterion | None
-) -> tuple[Recording | CoupledRecording, Question]:
+    recording: Recording, question: Question, criterion: Criterion | None
+) -> tuple[Recording, Question]:
     """Bring the channels of a test into the order and the scale of its frame, which they must fit."""
     frame = question.frame
     if frame is None:
@@ -46,10 +45,8 @@ def fit_to_frame(
     scale = question.stated.get("scale", StatedValue(1.0))
     stated = {**question.stated, "scale": StatedValue(1.0, scale.deviation / abs(scale.value))}
     recording = replace(recording, measured=recording.measured / scale.value)
-    if isinstance(recording, CoupledRecording):
+    if frame.has_several:
         recording = _order_channels(recording, frame)
-    elif frame.has_several:
-        frame.order_of_channels(("",), recording.name)
     return recording, replace(question, stated=stated)
 
 
@@ -70,7 +67,7 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
             limit=limit,
             limit_of_gains=gain_margin,
         )
-    if tracking is None or not isinstance(judged.sound, Recording):
+    if tracking is None:
         raise AssertionError  # of one actuator both are known
     tracking_by_frequency = _track_over_frequency(judged.sound)
     mode, criterion = judged.question.structure, judged.criterion
@@ -92,7 +89,7 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
 
 def _responses(
     error: ErrorOfTest,
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     question: Question,
     motion: Motion | None,
 ) -> ResponseErrors:
@@ -124,7 +121,7 @@ def _limit(partition: Partition, gains: Array) -> tuple[StabilityLimit, bool]:
         return stability_limit(partition), False
 
 
-def _order_channels(recording: CoupledRecording, frame: FrameUnderTest) -> CoupledRecording:
+def _order_channels(recording: Recording, frame: FrameUnderTest) -> Recording:
     """Put channels that have the names of the degrees of freedom into their order."""
     order = frame.order_of_channels(recording.actuators, recording.name)
     return replace(

@@ -19,7 +19,6 @@ from reliab.core.plain_values import Keys, PlainResult, html_table, same_names
 from reliab.core.significant_digits import percent, percent_with_interval, significant
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.criterion.criterion import Criterion
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -39,8 +38,8 @@ _COLUMNS: Final = (
 class JudgedError:
     """A test that was judged by its error, before it is compared with anything but what is stated of it."""
 
-    recording: Recording | CoupledRecording  # The test
-    sound: Recording | CoupledRecording  # The same without its faults
+    recording: Recording  # The test
+    sound: Recording  # The same without its faults
     question: Question
     criterion: Criterion | None  # The criterion beside which it is shown, if there is one
     motion: "Motion | None"  # Its ground motion, where it is given
@@ -85,7 +84,7 @@ class JudgedTest(PlainResult):
         "warnings": "warnings",
     }
 
-    recording: Recording | CoupledRecording  # The test
+    recording: Recording  # The test
     error: ErrorOfTest  # The error, from the test alone
     judgement: Verdict  # The verdict with its reasons
     faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error

@@ -15,7 +15,6 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.recordings.behaviour import remove_spikes
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.signals.spectra import cross_correlate
 from reliab.structures.partition import Partition
@@ -57,7 +56,7 @@ _FEW_SAMPLES = 20.0  # of a period
 _NOISY = 0.05  # of the measured displacement
 
 
-def require_length(recording: Recording | CoupledRecording, frequency: float) -> None:
+def require_length(recording: Recording, frequency: float) -> None:
     """Refuse a test of less than two periods of the structure, or of less than five samples in a period.
 
     `frequency` [Hz].
@@ -82,7 +81,7 @@ def require_length(recording: Recording | CoupledRecording, frequency: float) ->
 def require_drawable(recording: Recording, structure: Partition) -> None:
     """Refuse a test that is too long for the intervals of its error, before anything is computed from it."""
     step = recording.time_step
-    require_fitting(recording.command.size, samples_in_step_of_structure(structure, step), step)
+    require_fitting(recording.samples, samples_in_step_of_structure(structure, step), step)
 
 
 def require_plausible(

@@ -20,7 +20,6 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Part, Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -79,7 +78,7 @@ class ShownGround:
 
 
 def examine_ground(
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     channels: ChannelSpectra,
     structure: Partition,
     *,
@@ -264,7 +263,7 @@ def require_unit_of_force(
                 raise other_unit_of_force(ratio, recording.name)
 
 
-def other_unit_of_ground(recording: Recording | CoupledRecording, factor: float) -> InputError:
+def other_unit_of_ground(recording: Recording, factor: float) -> InputError:
     """Ask for the unit of a ground acceleration that explains the motion times a factor."""
     channel = next(
         (candidate for candidate in recording.channels if candidate.part is Part.GROUND and candidate.unit),

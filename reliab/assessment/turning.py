@@ -26,7 +26,6 @@ from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import Metric
 from reliab.effects.cubic_stiffness import CubicStiffness
 from reliab.effects.effect import SteppedEffect
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.signals.filters import LowPass
 
@@ -119,9 +118,7 @@ def _turning_value(quantity: str, smallest: float | None) -> str:
     return f" (another verdict from a {quantity} of {size} on)"
 
 
-def examine_turning(
-    error: ErrorOfTest, recording: Recording | CoupledRecording, question: Question
-) -> Turning:
+def examine_turning(error: ErrorOfTest, recording: Recording, question: Question) -> Turning:
     """Find what would turn the verdict; nothing is asked of a model, or where all is taken as exact.
 
     With several actuators only the skew of a slow recording is asked about.
@@ -130,7 +127,7 @@ def examine_turning(
         return Turning()
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
-    if isinstance(recording, CoupledRecording):
+    if recording.has_several:
         return Turning(doubt_of_skew=doubt_of_skew)
     is_known = recording.force is not None or question.linear_specimen
     yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)

@@ -22,10 +22,14 @@ from reliab.core.errors import InputError
 from reliab.core.files import ordinary
 from reliab.core.stated_value import StatedValue
 from reliab.core.text_tables import Line, TimesOfDay, cells_of, is_comment, number_of, time_of_day
-from reliab.recordings.coupled_recording import number_pairs, numbers_of_pairs
 from reliab.recordings.readers.columns import Columns, Series
 from reliab.recordings.readers.text import begins_table, delimiter_of, header_of
-from reliab.recordings.reading import read_statements, require_clear_numbers
+from reliab.recordings.reading import (
+    number_pairs,
+    numbers_of_pairs,
+    read_statements,
+    require_clear_numbers,
+)
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import DISPLACEMENTS, LARGEST_READING, Channel, ChannelDeclaration, Part
 

@@ -1,5 +1,6 @@
 """Read a test from a file."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -43,6 +44,9 @@ _NO_UNITS: Final = frozenset(
 )
 _LEAST_EXPLAINED_SHARE: Final = (
     0.9  # share of a nameless column that the motion explains, from which it may be a force
+)
+_NUMBERED_NAME: Final = re.compile(
+    r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
 )
 _LENGTH_WORDS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _NAMES_SHOWN: Final = 20  # of the tests of a file, in a message
@@ -101,6 +105,7 @@ def read_recording(
     delimiter: str | None = None,
     test: str | None = None,
     channels: str | Path | None = None,
+    several: bool = False,
 ) -> Recording:
     """Read a test from a file.
 
@@ -121,6 +126,9 @@ def read_recording(
         Which test, where the file holds several.
     channels : str or pathlib.Path, optional
         File `channels.toml` in which a laboratory states its channels.
+    several : bool, optional
+        Whether the test has several actuators: columns command_1, measured_1, command_2, … or as recognised.
+        Rotations are in radians where their column states no other unit: command_2_mrad.
 
     Returns
     -------
@@ -136,8 +144,9 @@ def read_recording(
     names = {Part.COMMAND: command, Part.MEASURED: measured, Part.TIME: time}
     table = read_frame(path) if is_frame(path) else read_test(path, test, delimiter=delimiter)
     laboratory = declare_channels(channels, names, units, rate_hz)
+    table = number_pairs(table) if several else table
     histories = histories_of(table, laboratory, time_units=time_units)
-    recording = recording_of(histories.cut_moves())
+    recording = recording_of(histories.cut_moves(), several=several)
     return replace(recording, stated=laboratory.merge_statements(recording.stated))
 
 
@@ -215,28 +224,54 @@ def histories_of(
     )
 
 
-def recording_of(histories: ChannelHistories) -> Recording:
-    """Take the one command and measured displacement of a test, with force and ground acceleration."""
-    numbers = sorted({channel.actuator for channel in histories.channels.values() if channel.actuator})
-    if numbers:
-        commands = [channel.column for channel in histories.channels.values() if channel.part is Part.COMMAND]
+def recording_of(histories: ChannelHistories, *, several: bool = False) -> Recording:
+    """Take the displacements of a test, with ground acceleration, and with the force of an only actuator.
+
+    `several`: whether there may be several actuators; they come in the order of their numbers.
+    """
+    channels = histories.channels.values()
+    keys = {(channel.part, channel.actuator): key for key, channel in histories.channels.items()}
+    numbers = numbers_of_pairs(keys)
+    if numbers != ("",) and not several:
+        commands = [channel.column for channel in channels if channel.part is Part.COMMAND]
         raise InputError(
             f"The file holds channels of actuators {', '.join(numbers)}: {' and '.join(map(repr, commands))}",
             remedy="Choose a pair with `command` and `measured`; `reliab record` keeps all of them",
             where=histories.columns.location,
         )
     values, columns = histories.values, histories.columns
+    command, measured = (
+        np.stack([values[keys[part, number]] for number in numbers]) for part in DISPLACEMENTS
+    )
+    is_single = len(numbers) == 1
     return Recording(
-        command=values["command"],
-        measured=values["measured"],
+        command=command[0] if is_single else command,
+        measured=measured[0] if is_single else measured,
         time_step=histories.time_step,
         name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
-        notes=histories.notes,
+        notes=tuple(dict.fromkeys(histories.notes)),
         ground=values.get("ground acceleration"),
-        force=values.get("force"),
+        force=values.get("force") if is_single else None,
         stated=read_statements(columns),
-        channels=tuple(histories.channels.values()),
+        channels=tuple(channels),
+        actuators=numbers,
     )
+
+
+def number_pairs(columns: Columns) -> Columns:
+    """Take columns command_1, measured_1, command_2, … as those of actuators where there are several."""
+    matches = {name: match for name in columns.values if (match := _NUMBERED_NAME.match(name))}
+    parts = {name: (match[1], match[2]) for name, match in matches.items()}
+    if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
+        return replace(columns, parts={**columns.parts, **parts})
+    return columns
+
+
+def numbers_of_pairs(channels: Iterable[tuple[Part, str]]) -> tuple[str, ...]:
+    """Numbers of actuators with both channels, in their order."""
+    keys = set(channels)
+    numbers = {number for part, number in keys if all((part, number) in keys for part in DISPLACEMENTS)}
+    return tuple(sorted(numbers, key=lambda number: (len(number), number)))
 
 
 def read_statements(columns: Columns) -> dict[str, StatedValue]:

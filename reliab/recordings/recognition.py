@@ -129,7 +129,7 @@ class _Search:
         if any(self._stated.get(part, ChannelDeclaration()).columns for part in DISPLACEMENTS):
             return ()
         return tuple(
-            self._channel(part, self._part_name[column], "the record says so", number)
+            self._channel(part, self._part_name[column], "its name", number)
             for column, (name, number) in self._columns.parts.items()
             for part in DISPLACEMENTS
             if number and name == part

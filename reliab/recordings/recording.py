@@ -1,4 +1,4 @@
-"""A real test: its channels, and command and measured displacement at equal steps, checked."""
+"""A real test: its channels, and commands and measured displacements at equal steps, checked."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -133,7 +133,7 @@ def require_few_samples(samples: int, location: str) -> None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recording(PlainResult):
-    """Command and measured displacement of a test.
+    """Commands and measured displacements of a test, of one actuator or of several.
 
     InputError
         If the histories differ in length, are too short or too long, do not move, or hold a value that is no
@@ -143,19 +143,22 @@ class Recording(PlainResult):
     >>> test = Recording(command=np.sin(6.0 * time), measured=np.sin(6.0 * time - 0.01), time_step=0.01)
     >>> round(test.duration, 2)
     19.99
+    >>> both = np.stack([test.command, test.measured])
+    >>> Recording(command=both, measured=0.99 * both, time_step=0.01).actuators
+    ('1', '2')
     """
 
     keys: ClassVar[Keys] = {
         "test": "name",
         "duration_s": "duration",
         "rate_hz": "rate",
-        "samples": "command.size",
+        "samples": "samples",
         "**": "largest",
         "notes": "notes",
     }
 
-    # command, measured: Displacements [m], shape (n,), 64 ≤ n ≤ 10 million; where no unit is known they
-    # only share one
+    # command, measured: Displacements [m, or rad of a rotation], shape (n,), 64 ≤ n ≤ 10 million, or (p, n)
+    # of several actuators; where no unit is known they only share one
     command: NDArray[np.float64]
     measured: NDArray[np.float64]
     time_step: float  # Step between samples [s]
@@ -163,33 +166,41 @@ class Recording(PlainResult):
     notes: tuple[str, ...] = field(default=())  # What was assumed when the test was read, in sentences
     # Ground acceleration [m/s²] that was recorded with the test, shape (n,)
     ground: NDArray[np.float64] | None = None
-    force: NDArray[np.float64] | None = None  # Restoring force of the specimen [N], shape (n,)
+    # Restoring force of the specimen [N], shape (n,); of an only actuator
+    force: NDArray[np.float64] | None = None
     # Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of the
     # measured displacement [-] as far as the file's header states them; and what `channels.toml` holds as
     # calibrated
     stated: Mapping[str, StatedValue] = field(default_factory=dict)
     # Which columns of the file were taken as what, in which unit and why
     channels: tuple["Channel", ...] = ()
+    # Numbers of several actuators in the file, "1" to "p" by default; that of an only one is empty
+    actuators: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.command.shape != self.measured.shape or self.command.size < FEWEST_SAMPLES:
+        shape, size = np.shape(self.command), np.shape(self.command)[-1]
+        if shape != np.shape(self.measured) or len(shape) > 2 or size < FEWEST_SAMPLES:  # noqa: PLR2004
             raise InputError(
                 f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES}",
-                value=f"{self.command.size} and {self.measured.size}",
+                value=" and ".join(str(np.size(values)) for values in (self.command, self.measured)),
                 remedy="Give the whole test",
                 where=self.name,
             )
-        require_few_samples(self.command.size, self.name)
+        require_few_samples(size, self.name)
         require_physical("time step", self.time_step, where=self.name)
+        if not self.actuators:
+            numbers = tuple(str(place + 1) for place in range(shape[0])) if self.has_several else ("",)
+            object.__setattr__(self, "actuators", numbers)
         for description, values in (("command", self.command), ("measured displacement", self.measured)):
-            require_finite(values, description, self.name)
-            if np.ptp(values) <= max(1e-9 * np.abs(values).max(), _SMALLEST):
+            rows = np.atleast_2d(values)
+            for number, row in zip(self.actuators, rows, strict=True):
+                require_finite(row, f"{description} {number}".rstrip(), self.name)
+            if not any(_moves(row) for row in rows):
                 raise InputError(
-                    f"The {description} does not move: {values[0]:g} throughout",
+                    f"The {description} does not move: {rows[0, 0]:g} throughout",
                     remedy="Check that the column is the right one and the channel was connected",
                     where=self.name,
                 )
-
         for description, extra in (("ground acceleration", self.ground), ("force", self.force)):
             if extra is not None:
                 require_finite(extra, description, self.name)
@@ -197,7 +208,17 @@ class Recording(PlainResult):
     @property
     def duration(self) -> float:
         """Time between the first and the last sample [s]."""
-        return (self.command.size - 1) * self.time_step
+        return (self.samples - 1) * self.time_step
+
+    @property
+    def samples(self) -> int:
+        """Number of samples of each channel."""
+        return int(self.command.shape[-1])
+
+    @property
+    def has_several(self) -> bool:
+        """Whether there are several actuators."""
+        return self.command.ndim > 1
 
     @property
     def rate(self) -> float:
@@ -215,13 +236,30 @@ class Recording(PlainResult):
             if values is not None
         }
 
+    def select_actuator(self, place: int) -> "Recording":
+        """Return the displacements of one of several actuators, which must move."""
+        return Recording(
+            command=self.command[place],
+            measured=self.measured[place],
+            time_step=self.time_step,
+            name=f"{self.name}, actuator {self.actuators[place]}",
+        )
+
     def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw command and measured displacement over time, and return the axes.
+        """Draw commands and measured displacements over time, and return the axes.
 
         `axes`: those to draw into; new ones by default.
         """
-        histories = {"command": self.command, "measured": self.measured}
+        histories = {
+            f"{name} {number}".rstrip(): row
+            for name, rows in (("command", self.command), ("measured", self.measured))
+            for number, row in zip(self.actuators, np.atleast_2d(rows), strict=True)
+        }
         return plot_histories(histories, self.time_step, title=self.name, label="displacement [m]", axes=axes)
+
+
+def _moves(values: Array) -> bool:
+    return bool(np.ptp(values) > max(1e-9 * np.abs(values).max(), _SMALLEST))
 
 
 def require_finite(values: NDArray[np.float64], description: str, location: str) -> None:

@@ -14,7 +14,7 @@ from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Doubt, Verdict, Word
 from reliab.core.shipped import shipped
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.structures.frame import Frame, Specimen, floor_interface, modal_damping
 from reliab.structures.partition import Partition
@@ -71,7 +71,7 @@ def ground_case(simulate, ground_motions):
     command = frame.kinematics @ ideal
     chance = np.random.default_rng(1).standard_normal(command.shape)
     return assess(
-        CoupledRecording(
+        Recording(
             command=command,
             measured=0.999 * command + 1e-5 * command.std(axis=1, keepdims=True) * chance,
             time_step=step,

@@ -15,7 +15,7 @@ from reliab.assessment.corrected_response import correct_response
 from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.assessment.substructures import Substructures
 from reliab.core.shipped import shipped
-from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import read_structure
 from reliab.structures.frame import Frame, reference_response
 from reliab.structures.partition import Partition
@@ -88,7 +88,7 @@ def coupled_test() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
     ran = coupled_response(frame.partition, frame.transfer_system, _GROUND, _STEP)
     noise = np.random.default_rng(0).normal(size=ran.measured.shape)
     read = frame.kinematics @ ran.measured
-    recording = CoupledRecording(
+    recording = Recording(
         command=frame.kinematics @ ran.command,
         measured=read + 0.003 * read.std(axis=1, keepdims=True) * noise,
         time_step=_STEP,

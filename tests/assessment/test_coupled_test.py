@@ -16,7 +16,7 @@ from reliab.assessment.assess import assess
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
 from reliab.motions.motion import Motion
-from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.signals.filters import LowPass
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_frame, read_structure
@@ -92,7 +92,7 @@ def test_large_rotations_are_read_by_the_geometry_of_the_actuators():
     )
     np.testing.assert_allclose(geometry.matrix, frame.kinematics)
     extension = {name: geometry.extensions(large * getattr(run, name)) for name in ("command", "measured")}
-    recording = CoupledRecording(time_step=STEP, name="large", actuators=("1", "2"), **extension)
+    recording = Recording(time_step=STEP, name="large", actuators=("1", "2"), **extension)
     error, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
     true = np.sqrt(np.mean(error**2, axis=1)) / peak
     exact, by_matrix = (
@@ -113,7 +113,7 @@ def test_a_recording_and_interface_coordinates_give_the_same(recording_file, tmp
     text = path.read_text(encoding="utf-8").replace('channels = "actuators"', 'channels = "interface"')
     (tmp_path / "interface.toml").write_text(text, encoding="utf-8")
     command, measured_displacement = (frame.to_interface @ history for history in at_actuators)
-    recording = CoupledRecording(
+    recording = Recording(
         command=command, measured=measured_displacement, time_step=STEP, actuators=("x", "theta")
     )
     result = reliab.assess(recording, read_structure(tmp_path / "interface.toml"), exact=True)
@@ -330,7 +330,7 @@ def test_offset_of_inclined_actuators_is_known_by_the_answer_of_their_command():
         has_several=True, name="", partition=partition, kinematics=kinematics, channels_at_interface=False
     )
     for felt_displacement in (True, False):
-        recording = CoupledRecording(
+        recording = Recording(
             command=command - felt_displacement * answer,
             measured=measured_displacement - felt_displacement * answer + offset,
             time_step=STEP,
@@ -346,7 +346,7 @@ def test_actuators_moving_alike_keep_gains_near_one():
     time = np.arange(0.0, 30.0, STEP)
     shaking = np.sin(9.0 * time) * np.sin(2.0 * time) * np.exp(-(((time - 15.0) / 6.0) ** 2))
     run = coupled_response(partition, actuators, shaking, STEP)
-    recording = CoupledRecording(
+    recording = Recording(
         command=actuators.kinematics @ run.command,
         measured=actuators.kinematics @ run.measured,
         time_step=STEP,

@@ -10,7 +10,6 @@ from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.core.errors import InputError
 from reliab.motions.motion import Motion
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.report.kinds.assessment.frame import frame_assessment_report
 from reliab.simulation.frames.frame_file import FrameUnderTest
@@ -215,7 +214,7 @@ def test_floors_and_storeys_of_several_actuators_are_those_of_the_simulation():
         degrees_of_freedom=names,
     )
     stated_values = FrameUnderTest(name="three", partition=partition, has_several=True)
-    recording = CoupledRecording(
+    recording = Recording(
         command=outcome.command, measured=outcome.measured, time_step=1.0 / RATE, ground=ground
     )
     result = assess(recording, stated_values).responses

@@ -8,7 +8,6 @@ from assessment.frames_by_matrices import TWO_STOREYS, run
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.simulation.frames.tolerances_table import TolerancesTable
@@ -143,7 +142,7 @@ def test_several_actuators_have_the_same_tolerances(case):
         interface=TWO_STOREYS.interface[:, np.newaxis],
         specimen_stiffness=np.array([[2e5]]),
     )
-    has_several = CoupledRecording(
+    has_several = Recording(
         command=recording.command[np.newaxis],
         measured=recording.measured[np.newaxis],
         time_step=recording.time_step,

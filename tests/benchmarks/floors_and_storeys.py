@@ -25,7 +25,6 @@ from uncertain_frames import true_errors
 
 from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import ordinary_equipment
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.partition import Partition
@@ -112,9 +111,7 @@ def judge_test(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
     )
     if has_two_actuators:
         frame = FrameUnderTest(name=kind, partition=partition, has_several=True)
-        recording = CoupledRecording(
-            command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground
-        )
+        recording = Recording(command=outcome.command, measured=read, time_step=1.0 / RATE, ground=ground)
         assessment = assess(recording, frame, equipment=ordinary_equipment())
         sizes, responses = [degree.rms for degree in assessment.error.displacements], assessment.responses
     else:

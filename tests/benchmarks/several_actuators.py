@@ -31,7 +31,7 @@ from reliab.assessment.assess import assess
 from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
-from reliab.recordings.coupled_recording import CoupledRecording
+from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest, read_structure
 from reliab.simulation.transfer_systems.transfer_function import ActuatorMatrix, TransferFunction
 from reliab.structures.partition import Partition
@@ -94,7 +94,7 @@ def tests(
     read = measured if options.exact else read_by_chance(measured, rng, options.clock, scale=0.003)
     white = rng.standard_normal(measured.shape) * measured.std(axis=1, keepdims=True)
     for level, has_ground in product(options.decibels, (False, True)):
-        recording = CoupledRecording(
+        recording = Recording(
             command=command,
             measured=read + 10.0 ** (-level / 20.0) * white,
             time_step=1.0 / RATE,

@@ -8,10 +8,8 @@ from scipy.io import netcdf_file, savemat
 
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
-from reliab.recordings.coupled_recording import read_coupled_recording
 from reliab.recordings.following import rows_as_written
 from reliab.recordings.reading import read_recording
-from reliab.recordings.recording import StatedChannels
 
 RATE = 200.0
 TIME = np.arange(2000) / RATE
@@ -270,6 +268,6 @@ def test_a_rotation_needs_no_unit_of_length(ending, factor, notes):
     rotation = {
         f"{name}_2{ending}": values for name, values in (("command", COMMAND), ("measured", MEASURED))
     }
-    result = read_coupled_recording(pd.DataFrame({**columns, **rotation}), StatedChannels())
+    result = read_recording(pd.DataFrame({**columns, **rotation}), several=True)
     assert sum("of actuator 2 states a unit of length" in note for note in result.notes) == notes
     np.testing.assert_allclose(result.command, [COMMAND, factor * COMMAND], atol=1e-12)

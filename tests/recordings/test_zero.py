@@ -7,11 +7,9 @@ import pytest
 import reliab
 from reliab.core.errors import InputError
 from reliab.recordings.behaviour import extent_of_test, zero_of
-from reliab.recordings.coupled_recording import read_coupled_recording
 from reliab.recordings.followed_rows import rows_about_zero
 from reliab.recordings.following import Rows
 from reliab.recordings.reading import read_recording
-from reliab.recordings.recording import StatedChannels
 
 RATE = 256.0
 TIME = np.arange(int(20 * RATE)) / RATE
@@ -91,7 +89,7 @@ def test_several_actuators_are_cut_alike():
     still = np.concatenate([np.zeros(1536), COMMAND, np.zeros(1536)])
     for number, history in (("1", add_moves(COMMAND)), ("2", still)):
         columns |= {f"command_{number}_m": history, f"measured_{number}_m": history}
-    test = read_coupled_recording(pd.DataFrame(columns), StatedChannels())
+    test = read_recording(pd.DataFrame(columns), several=True)
     assert TIME.size < test.command.shape[1] < TIME.size + 1400
     assert zero_of(test.command[0]) == pytest.approx(AWAY, rel=0.02)
 

@@ -239,7 +239,7 @@ def _make_judge_of_frame(
     )
 
     def judge(channels: FileReading, test: Test) -> AnyAssessment:
-        recording = channels.read_several_actuators(test) if frame.has_several else channels.read(test)
+        recording = channels.read(test, several=frame.has_several)
         low_passes = channels.filters(filters, recording.stated)
         stated_values = {**recording.stated, **numbers}
         require_sound(stated_values)

@@ -10,7 +10,6 @@ from reliab.core.errors import InputError
 from reliab.core.progress import Progress
 from reliab.core.shipped import or_shipped
 from reliab.core.stated_value import require_physical
-from reliab.recordings.coupled_recording import CoupledRecording, read_coupled_recording
 from reliab.recordings.readers.columns import is_frame
 from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.reading import ChannelHistories, declare_channels, read_recording
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from reliab.core.stated_value import StatedValue
     from reliab.signals.filters import LowPass
 
-Test: TypeAlias = "str | Path | pd.DataFrame | Recording | CoupledRecording"
+Test: TypeAlias = "str | Path | pd.DataFrame | Recording"
 """A test, its file, its data frame, or the name of one that ships."""
 
 
@@ -40,7 +39,7 @@ def find_test(test: str | Path) -> Path:
 
 def is_test(value: object) -> "TypeIs[Test]":
     """Tell one test from several."""
-    return isinstance(value, str | Path | Recording | CoupledRecording) or is_frame(value)
+    return isinstance(value, str | Path | Recording) or is_frame(value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,44 +97,27 @@ class FileReading:
             )
         return filters
 
-    def read_several_actuators(self, test: Test) -> CoupledRecording:
-        """Read a test with several actuators."""
-        reason = "together with a `structure` with several actuators; name the columns command_1, …"
-        refuse_stated(vars(self), "command", "measured", reason=reason)
-        if isinstance(test, Recording):
-            raise InputError(
-                "This structure has several actuators, and the test needs the channels of all of them",
-                value="a recording of one",
-                remedy="Give its file, a data frame or a `CoupledRecording`",
-            )
-        if isinstance(test, CoupledRecording):
-            return test
-        self._require_sound(test)
-        return read_coupled_recording(
-            test if is_frame(test) else Path(test),
-            self.laboratory(),
-            delimiter=self.delimiter,
-            test=self.test_name,
-            time_units=self.time_units,
-        )
-
-    def read(self, test: Test) -> Recording:
-        """Read a test."""
+    def read(self, test: Test, *, several: bool = False) -> Recording:
+        """Read a test; `several`: whether it has several actuators."""
+        if several:
+            reason = "together with a `structure` with several actuators; name the columns command_1, …"
+            refuse_stated(vars(self), "command", "measured", reason=reason)
         if isinstance(test, Recording):
             refuse_stated(vars(self), *vars(self), reason="together with a test that was already read")
+            if test.has_several and not several:
+                raise InputError(
+                    "Several actuators need the `structure` that they drove",
+                    value=f"{len(test.actuators)} actuators",
+                    remedy="Give the file of the frame with `structure`",
+                )
             return test
-        if isinstance(test, CoupledRecording):
-            raise InputError(
-                "Several actuators need the `structure` that they drove",
-                value=f"{len(test.actuators)} actuators",
-                remedy="Give the file of the frame with `structure`",
-            )
         self._require_sound(test)
         arguments = {**vars(self)}
         return read_recording(
             test if is_frame(test) else find_test(test),
             rate_hz=arguments.pop("rate"),
             test=arguments.pop("test_name"),
+            several=several,
             **arguments,
         )
 
@@ -193,6 +175,6 @@ def assess_each(
 
 def name_of_test(test: Test, place: int) -> str:
     """Name a test; data frames by their place."""
-    if isinstance(test, Recording | CoupledRecording):
+    if isinstance(test, Recording):
         return test.name
     return str(test) if isinstance(test, str | Path) else f"data frame {place + 1}"

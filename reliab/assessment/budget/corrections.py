@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final, TypeVar
+from typing import Final
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from reliab.assessment.rebuilt_error.readings import lag_of_reading
 from reliab.core.arrays import Array
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.signals.cubic_path import CubicPath
 from reliab.signals.filters import LowPass
@@ -19,13 +18,12 @@ CHANNELS: Final = ("command", "measured")
 """Channels that may have a filter."""
 
 _UNFILTERED_CHANNELS = ("ground", "force")
-AnyRecording = TypeVar("AnyRecording", bound=Recording | CoupledRecording)
 _CORNER_TOLERANCE = 0.03  # relative standard deviation of the corner of a filter, ±5 % over √3
 
 
 def correct_recording(
-    recording: AnyRecording, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
-) -> AnyRecording:
+    recording: Recording, stated: Mapping[str, StatedValue], filters: Mapping[str, LowPass]
+) -> Recording:
     """Correct a recording for what is stated of its channels, with several actuators of all of them alike.
 
     The filter of each channel is applied to all others as well: the equation of the error holds for histories

@@ -25,7 +25,6 @@ from reliab.core.significant_digits import (
     value_and_interval,
 )
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
-from reliab.recordings.coupled_recording import CoupledRecording
 from reliab.recordings.recording import Recording
 from reliab.report.document import (
     SOURCES,
@@ -180,7 +179,7 @@ def responses_table(responses: ResponseErrors) -> Table:
 def histories_figure(
     rebuilt: DisplacementError,
     parts: Parts,
-    recording: Recording | CoupledRecording,
+    recording: Recording,
     *,
     name: str = "response",
 ) -> Figure:
