@@ -40,14 +40,14 @@ from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
-    from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+    from reliab.assessment.frame_assessment import FrameAssessment
     from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.own_motion import OwnPlacement
     from reliab.motions.motion import Motion
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
-AnyAssessment: TypeAlias = "Assessment | FrameAssessment | CoupledAssessment"
+AnyAssessment: TypeAlias = "Assessment | FrameAssessment"
 
 _LEARNED_NOTE = (
     "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
@@ -126,7 +126,7 @@ def assess(
 
     Returns
     -------
-    Assessment, FrameAssessment or CoupledAssessment
+    Assessment or FrameAssessment
         Error of the test with its interval, verdict, A and d, stability margin, and of one mass the index and
         what to improve first.
 

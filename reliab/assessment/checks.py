@@ -240,7 +240,7 @@ def check_rest(test: JudgedError) -> Iterator[Doubt]:
     samples = int(moving[-1] - moving[0] + 1)
     share = samples / commands.shape[1]
     factor = 1.0 / math.sqrt(share)
-    probability = float(np.mean(error.rebuilt.errors(Metric.RMS) * factor <= error.threshold))
+    probability = error.rebuilt.draws.probability_below(error.threshold / factor, Metric.RMS)
     if share > _MOSTLY_MOVING or word_of_probability(probability) is Word.RELIABLE:
         return
     size = error.estimate(Metric.RMS)

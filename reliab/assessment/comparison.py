@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.frame_assessment import FrameAssessment
+from reliab.assessment.frame_assessment import ActuatorOfTest, FrameAssessment
 from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.rebuilt_error.spread import ENDS, LEVEL, Estimate, weighted_quantiles
 from reliab.assessment.verdict import Word
@@ -27,6 +27,8 @@ from reliab.signals.spectra import cross_correlate
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+
+    from reliab.assessment.tracking_index import TrackingIndex
 
 _FEWEST: Final = 2
 _LARGEST_PROBABILITY: Final = 0.99  # of an order that only the tests themselves show
@@ -52,8 +54,8 @@ class RankedTest(PlainResult):
         **same_names("rank", "file"),
         **{name: f"assessment.error.{name}" for name in ("rms", "mte")},
         **same_names("difference", "probability_larger"),
-        "A": "assessment.tracking.amplitude",
-        "d_ms": "assessment.tracking.delay",
+        "A": "tracking.amplitude",
+        "d_ms": "tracking.delay",
         **{name: f"assessment.{name}" for name in ("verdict", "probability")},
     }
 
@@ -65,6 +67,13 @@ class RankedTest(PlainResult):
     # By how much its error exceeds that of the first test: median and 90 % interval [-]; None for the first
     difference: Estimate | None
     probability_larger: float | None  # That it is larger than that of the first test; None for the first
+
+    @property
+    def tracking(self) -> "TrackingIndex | ActuatorOfTest":
+        """A and d, of several actuators those of the one that tracks worst."""
+        if isinstance(self.assessment, FrameAssessment):
+            return self.assessment.worst_actuator
+        return self.assessment.tracking
 
 
 def _interval(size: Mapping[str, Any] | None) -> str:
@@ -192,7 +201,7 @@ def subtract_errors(error: ErrorOfTest, first: ErrorOfTest, metric: Metric) -> t
     they had nothing in common. A pair has the geometric mean of the weights of its two draws, so that kinds
     of draws, such as specimens that yielded, keep their share of the probability.
     """
-    draws, first_draws = (test.displacements[0].draws for test in (error, first))
+    draws, first_draws = error.rebuilt.draws, first.rebuilt.draws
     errors, firsts = draws.errors(metric), first_draws.errors(metric)
     weights, first_weights = draws.weights, first_draws.weights
     count = min(errors.size, firsts.size)

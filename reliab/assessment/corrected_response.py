@@ -13,7 +13,7 @@ from reliab.assessment.exact_response import (
     exact_test,
 )
 from reliab.assessment.findings import Findings
-from reliab.assessment.frame_assessment import CoupledAssessment, JudgedFrame
+from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import weights_of_storeys
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH
 from reliab.core.arrays import Array
@@ -47,12 +47,12 @@ _NOT_ITS_MOTION = (
 )
 
 
-def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
+def correct_response(findings: Findings | FrameAssessment) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
     ----------
-    findings : Assessment, FrameAssessment or CoupledAssessment
+    findings : Assessment or FrameAssessment
         What was found about a test.
 
     Returns
@@ -84,7 +84,7 @@ def correct_response(findings: Findings | JudgedFrame) -> "xr.Dataset":
     table = _ResponseTable(
         test=test,
         ground=ground,
-        has_names=isinstance(findings, CoupledAssessment),
+        has_names=findings.error.has_several,
         only_displacements=findings.error.modelled,
         has_forces=not isinstance(findings, Findings) or "mass" in findings.stated,
     )
@@ -215,9 +215,9 @@ class _ResponseTable:
         return rows, sizes
 
 
-def _exact_test(findings: Findings | JudgedFrame) -> ExactTest:
+def _exact_test(findings: Findings | FrameAssessment) -> ExactTest:
     """Say what a test should have been; not of a calibrated model's."""
-    if isinstance(findings, JudgedFrame):
+    if isinstance(findings, FrameAssessment):
         return exact_test(
             findings.error, findings.frame.partition.degrees_of_freedom, findings.recording.ground
         )

@@ -287,7 +287,7 @@ class ErrorOfTest(PlainResult):
     @property
     def largest_drawn(self) -> float:
         """Largest error asked about among the draws [-]."""
-        return float(self.rebuilt.errors(self.metric).max())
+        return float(self.rebuilt.draws.errors(self.metric).max())
 
     @cached_property
     def parts(self) -> Parts:

@@ -1,13 +1,12 @@
 """What is found about a test of a partitioned frame, with one actuator or with several."""
 
 import math
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.frame_responses import ResponseErrors
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.parts import ErrorPart
@@ -20,7 +19,6 @@ from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.criterion.criterion import Criterion
-from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
 from reliab.structures.structure import Structure
@@ -51,8 +49,12 @@ class ModeOfTest(PlainResult):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class JudgedFrame(JudgedTest, ABC):
-    """Assessment of a test of a partitioned frame, as far as it is the same for any number of actuators."""
+class FrameAssessment(JudgedTest):
+    """Assessment of a test of a partitioned frame, with one actuator or with several.
+
+    Of several actuators, A and d are those of the one that tracks worst, `error.degrees_of_freedom` holds
+    each interface displacement, and `error.rms` and `error.mte` the governing one.
+    """
 
     keys: ClassVar[Keys] = {
         **JudgedTest.keys,
@@ -61,70 +63,10 @@ class JudgedFrame(JudgedTest, ABC):
         "critical_delay_ms": "critical_delay",
         "critical_frequency_hz": "limit.frequency",
         **same_names("stability_margin", "modes", "responses"),
-    }
-
-    frame: FrameUnderTest  # The frame and its actuators
-    responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
-    limit: StabilityLimit  # Where the test would become unstable with the measured gains
-
-    error_of: ClassVar[str]
-
-    @property
-    @abstractmethod
-    def longest_delay(self) -> float:
-        """Delay of the actuator that is latest [s]."""
-
-    @property
-    def critical_delay(self) -> float:
-        """Exact critical delay [s]; infinite where no delay is critical."""
-        return self.limit.delay
-
-    @property
-    def budget(self) -> tuple[BudgetItem, ...]:
-        """What makes the interval of the error, the largest contribution first."""
-        return self.error.budget
-
-    @property
-    def modes(self) -> tuple[ModeOfTest, ...]:
-        """Modes of the frame, the lowest first."""
-        partition = self.frame.partition
-        frequency, ratio, _ = partition.modes
-        rows = zip(frequency.tolist(), ratio.tolist(), partition.stiffness_shares.tolist(), strict=True)
-        return tuple(ModeOfTest(frequency=f, damping_ratio=xi, share=share) for f, xi, share in rows)
-
-    @property
-    def stability_margin(self) -> float | None:
-        """Stability margin 1 − d/τ_c [-]; None where the loop is unstable with any delay."""
-        if math.isinf(self.critical_delay):
-            return 1.0
-        if self.critical_delay <= 0.0:
-            return None
-        return 1.0 - max(self.longest_delay, 0.0) / self.critical_delay
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the recording and the loop, in sentences."""
-        return (
-            *(effect.fault.sentence for effect in self.faults),
-            *self.error.not_judged,
-            *dict.fromkeys(
-                [*self.error.ground.notes, *(contradiction.finding for contradiction in self.contradictions)]
-            ),
-            *self.turning.warnings(self.judgement),
-            *self.responses.warnings,
-        )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class FrameAssessment(JudgedFrame):
-    """Assessment of a test of a partitioned frame with one actuator."""
-
-    keys: ClassVar[Keys] = {
-        **JudgedFrame.keys,
-        "A": "tracking.amplitude",
+        "A": "worst_actuator.amplitude",
         "phi": "tracking.phase",
         "f_eq_hz": "tracking.plain.equivalent_frequency",
-        "d_ms": "tracking.delay",
+        "d_ms": "worst_actuator.delay",
         "over_frequency": {
             "?": "over_frequency",
             "frequency_hz": "over_frequency.frequency",
@@ -147,19 +89,43 @@ class FrameAssessment(JudgedFrame):
             "confidence": "promise",
             "scope": "scope",
         },
+        **same_names("channels_are", "actuators", "critical_direction"),
+        "shown_by_ground": {
+            "?": "error.ground.misfit",
+            "frequency_ratio": "error.ground.frequency",
+            "deviation": "error.ground.deviation",
+            "unexplained": "error.ground.misfit",
+        },
     }
 
-    recording: Recording
-    error: ErrorOfTest
+    frame: FrameUnderTest  # The frame and its actuators
+    responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
     mode: Structure  # Frequency, damping ratio and specimen's share of the mode that governs the error
-    tracking: TrackingIndex  # A and d with their uncertainty, without faults of the recording
-    # A and d over frequency; None where the displacements are hardly coherent
-    over_frequency: TrackingOverFrequency | None
-    resolved: ErrorPart | None  # What A and d over frequency account for of the error; None where these are
+    limit: StabilityLimit  # Where the test would become unstable with the measured gains
+    # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
+    limit_of_gains: bool
+    # A and d of an only actuator with their uncertainty, without faults of the recording
+    tracking: TrackingIndex | None
+    # The same over frequency; None where the displacements are hardly coherent
+    over_frequency: TrackingOverFrequency | None = None
+    resolved: ErrorPart | None = None  # What that accounts for of the error; None where it is
     criterion: Criterion | None = None  # A criterion of this frame, where one is given
     population: Placement | None = None  # The test against that criterion
 
-    error_of = "the measured interface displacement"
+    @property
+    def error_of(self) -> str:
+        """Which response's error is judged, in words."""
+        return f"the measured interface displacement{'s' if self.error.has_several else ''}"
+
+    @property
+    def critical_delay(self) -> float:
+        """Exact critical delay [s]; infinite where no delay is critical."""
+        return self.limit.delay
+
+    @property
+    def budget(self) -> tuple[BudgetItem, ...]:
+        """What makes the interval of the error, the largest contribution first."""
+        return self.error.budget
 
     @property
     def scope(self) -> ScopeOfTest | None:
@@ -176,31 +142,78 @@ class FrameAssessment(JudgedFrame):
         return None if self.scope.is_outside else self.criterion.promise
 
     @property
-    def longest_delay(self) -> float:
-        """Equivalent delay of the actuator [s]."""
-        return self.tracking.delay
-
-    @property
     def modes(self) -> tuple[ModeOfTest, ...]:
         """Modes of the frame, the lowest first, with A and d where the test shows them."""
-        tracking = self.over_frequency
-        if tracking is None:
-            return super().modes
+        partition, tracking = self.frame.partition, self.over_frequency
+        frequency, ratio, _ = partition.modes
+        rows = zip(frequency.tolist(), ratio.tolist(), partition.stiffness_shares.tolist(), strict=True)
         modes = []
-        for mode in super().modes:
-            is_covered = tracking.covers(mode.frequency)
-            a, d = map(float, tracking.interpolate(mode.frequency)) if is_covered else (None, None)
-            modes.append(replace(mode, amplitude=a, delay=d))
+        for f, xi, share in rows:
+            is_shown = tracking is not None and tracking.covers(f)
+            a, d = map(float, tracking.interpolate(f)) if tracking and is_shown else (None, None)
+            modes.append(ModeOfTest(frequency=f, damping_ratio=xi, share=share, amplitude=a, delay=d))
         return tuple(modes)
 
     @property
+    def channels_are(self) -> str:
+        """What the channels are, in words."""
+        return "interface displacements" if self.frame.channels_at_interface else "displacements of actuators"
+
+    @property
+    def actuators(self) -> tuple["ActuatorOfTest", ...]:
+        """What each actuator did."""
+        if self.tracking is not None:
+            gains, delays = np.array([[self.tracking.amplitude]]), np.array([[self.tracking.delay]])
+        else:
+            gains, delays = self.error.rebuilt.readings.tracking
+        return tuple(
+            ActuatorOfTest(name=number, place=place, gains=gains[place], delays=delays[place])
+            for place, number in enumerate(self.recording.actuators)
+        )
+
+    @property
+    def worst_actuator(self) -> "ActuatorOfTest":
+        """The actuator that tracks worst."""
+        omega = 2.0 * np.pi * float(self.frame.partition.natural_frequencies[0])
+        return max(self.actuators, key=lambda one: math.hypot(one.amplitude - 1.0, omega * one.delay))
+
+    @property
+    def stability_margin(self) -> float | None:
+        """Stability margin 1 − d/τ_c [-] of the latest actuator; None where no delay is stable."""
+        if math.isinf(self.critical_delay):
+            return 1.0
+        if self.critical_delay <= 0.0:
+            return None
+        longest_delay = max(actuator.delay for actuator in self.actuators)
+        return 1.0 - max(longest_delay, 0.0) / self.critical_delay
+
+    @property
+    def critical_direction(self) -> dict[str, float]:
+        """Motion of the displacements in which stability is lost."""
+        return dict(zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about the recording and the loop, in sentences."""
-        sentences = [*super().warnings, *doubts_of_force(self.recording)]
-        sentences += warn_of_signal(self.recording, self.tracking, self.mode.frequency)
-        if self.over_frequency is None:
-            sentences.append("A and d over frequency are unknown: the displacements are hardly coherent.")
-        return tuple(sentences)
+        """Warnings about the recording, the displacements and the loop, in sentences."""
+        return tuple(dict.fromkeys(self._warn()))
+
+    def _warn(self) -> Iterator[str]:
+        yield from (effect.fault.sentence for effect in self.faults)
+        yield from self.error.not_judged
+        yield from self.error.ground.notes
+        yield from (contradiction.finding for contradiction in self.contradictions)
+        yield from self.turning.warnings(self.judgement)
+        yield from self.responses.warnings
+        yield from doubts_of_force(self.recording)
+        if self.tracking is not None:
+            yield from warn_of_signal(self.recording, self.tracking, self.mode.frequency)
+            if self.over_frequency is None:
+                yield "A and d over frequency are unknown: the displacements are hardly coherent."
+        if not self.limit_of_gains:
+            yield (
+                "With the measured gains no delay would be stable, so that they are too uncertain: the "
+                "stability margin is that of actuators without gain errors."
+            )
 
     @property
     def index_probability(self) -> float | None:
@@ -226,80 +239,9 @@ class FrameAssessment(JudgedFrame):
         )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class CoupledAssessment(JudgedFrame):
-    """Assessment of a test of a partitioned frame with several actuators.
-
-    Of its keys, `error.degrees_of_freedom` holds each interface displacement, `error.rms` and `error.mte` the
-    governing one; A and d are those of the actuator that tracks worst.
-    """
-
-    keys: ClassVar[Keys] = {
-        **JudgedFrame.keys,
-        **same_names("channels_are", "actuators"),
-        "A": "worst_actuator.amplitude",
-        "d_ms": "worst_actuator.delay",
-        "critical_direction": "critical_direction",
-        "shown_by_ground": {
-            "?": "error.ground.misfit",
-            "frequency_ratio": "error.ground.frequency",
-            "deviation": "error.ground.deviation",
-            "unexplained": "error.ground.misfit",
-        },
-    }
-
-    recording: Recording
-    error: ErrorOfTest
-    # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
-    limit_of_gains: bool = True
-
-    error_of = "the measured interface displacements"
-
-    @property
-    def longest_delay(self) -> float:
-        """Delay of the actuator that follows its own command latest [s]."""
-        return float(np.diag(self.error.rebuilt.readings.tracking[1]).max())
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings about the recording, the displacements and the loop, in sentences."""
-        sentences = list(super().warnings)
-        if not self.limit_of_gains:
-            sentences.append(
-                "The actuators' gains cannot be told apart by this motion: the stability margin is that of "
-                "actuators without gain errors."
-            )
-        return tuple(sentences)
-
-    @property
-    def channels_are(self) -> str:
-        """What the channels are, in words."""
-        return "interface displacements" if self.frame.channels_at_interface else "displacements of actuators"
-
-    @property
-    def actuators(self) -> tuple["ActuatorOfTest", ...]:
-        """What each actuator did."""
-        gains, delays = self.error.rebuilt.readings.tracking
-        return tuple(
-            ActuatorOfTest(name=number, place=place, gains=gains[place], delays=delays[place])
-            for place, number in enumerate(self.recording.actuators)
-        )
-
-    @property
-    def worst_actuator(self) -> "ActuatorOfTest":
-        """The actuator that tracks worst."""
-        omega = 2.0 * np.pi * float(self.frame.partition.natural_frequencies[0])
-        return max(self.actuators, key=lambda one: math.hypot(one.amplitude - 1.0, omega * one.delay))
-
-    @property
-    def critical_direction(self) -> dict[str, float]:
-        """Motion of the displacements in which stability is lost."""
-        return dict(zip(self.frame.partition.names, self.limit.direction.tolist(), strict=True))
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ActuatorOfTest(PlainResult):
-    """What one of several actuators did at the commands of all of them."""
+    """What an actuator did at the commands of all of them."""
 
     keys: ClassVar[Keys] = {
         "name": "name",

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.parts import ErrorPart
@@ -50,39 +50,29 @@ def fit_to_frame(
     return recording, replace(question, stated=stated)
 
 
-def conclude_frame(judged: JudgedError) -> FrameAssessment | CoupledAssessment:
+def conclude_frame(judged: JudgedError) -> FrameAssessment:
     """Put together what was found about a test of a frame, with its floors and storeys."""
-    frame, error, tracking = judged.question.frame, judged.error, judged.tracking
+    question, error, tracking, criterion = judged.question, judged.error, judged.tracking, judged.criterion
+    frame, mode = question.frame, question.structure
     if frame is None:
         raise AssertionError  # one mass is no frame
-    responses = _responses(error, judged.recording, judged.question, judged.motion)
-    partition, carry = frame.partition, frame.to_interface
-    if frame.has_several:
-        gains = carry @ error.rebuilt.readings.tracking[0] @ np.linalg.inv(carry)
-        limit, gain_margin = _limit(partition, gains)
-        return CoupledAssessment(
-            **judged.common,
-            frame=frame,
-            responses=responses,
-            limit=limit,
-            limit_of_gains=gain_margin,
-        )
-    if tracking is None:
-        raise AssertionError  # of one actuator both are known
-    tracking_by_frequency = _track_over_frequency(judged.sound)
-    mode, criterion = judged.question.structure, judged.criterion
+    carry = frame.to_interface
+    gains = error.rebuilt.readings.tracking[0] if tracking is None else np.array([[tracking.amplitude]])
+    limit, limit_of_gains = _limit(frame.partition, carry @ gains @ np.linalg.inv(carry))
+    over_frequency = None if tracking is None else _track_over_frequency(judged.sound)
     return FrameAssessment(
         **judged.common,
         frame=frame,
         mode=mode,
+        responses=_responses(error, judged.recording, question, judged.motion),
+        limit=limit,
+        limit_of_gains=limit_of_gains,
         tracking=tracking,
-        over_frequency=tracking_by_frequency,
-        resolved=_part_of_tracking(judged.sound, tracking_by_frequency, error),
-        responses=responses,
-        limit=stability_limit(partition, tracking.amplitude),
+        over_frequency=over_frequency,
+        resolved=_part_of_tracking(judged.sound, over_frequency, error),
         criterion=criterion,
         population=None
-        if criterion is None
+        if criterion is None or tracking is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
 

@@ -53,7 +53,7 @@ from reliab.assessment.rebuilt_error.initial import Start, check_histories, exam
 from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving, estimate_noises
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
-from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, Estimate
+from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, ErrorDraws, Estimate
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
@@ -266,17 +266,16 @@ class RebuiltError:
         governing = self.governing(metric)
         return UNKNOWN if governing is None else governing.estimate(metric)
 
-    def errors(self, metric: Metric) -> Array:
-        """RMS^R or MTE^R of the draws, the largest of the judged displacements [-], shape (draws,)."""
-        return np.asarray(np.max([degree.errors(metric) for degree in self.judged], axis=0))
+    @property
+    def draws(self) -> ErrorDraws:
+        """Draws of the largest error of the judged displacements; of the first where none is judged."""
+        degrees = self.judged or self.displacements[:1]
+        rms, mte = (np.max([degree.errors(metric) for degree in degrees], axis=0) for metric in Metric)
+        return replace(degrees[0].draws, rms=rms, mte=mte)
 
     def probability(self, threshold: float, metric: Metric = Metric.RMS) -> float:
         """Probability that the errors of all judged displacements are below a threshold [-]."""
-        governing = self.governing(metric)
-        if governing is None:
-            return 0.5
-        largest = replace(governing.draws, rms=self.errors(Metric.RMS), mte=self.errors(Metric.MTE))
-        return largest.probability_below(threshold, metric)
+        return self.draws.probability_below(threshold, metric) if self.judged else 0.5
 
     @cached_property
     def division(self) -> DividedError:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment
+from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.judged_test import plot_errors, verdict_table
 from reliab.assessment.same_test import SameTest, combine_runs
 from reliab.assessment.verdict import Word, probability_text
@@ -43,7 +43,7 @@ class Assessments(ResultWithRows):
 
     files: tuple[str, ...]  # Files of the tests, in the order in which they were given
     # By file, what is found about the tests that could be judged
-    judged: Mapping[str, Assessment | FrameAssessment | CoupledAssessment]
+    judged: Mapping[str, Assessment | FrameAssessment]
     faults: Mapping[str, str]  # By file, why the others could not be judged
 
     @property

@@ -25,7 +25,6 @@ from reliab.app.api.records import record as api_record
 from reliab.app.api.rigs import document_of_rig, export_rig, list_rig
 from reliab.app.api.simulation import trace_boundaries
 from reliab.assessment.assessment import Assessment
-from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import write_json_file
@@ -286,8 +285,7 @@ def _contradictions(assessment: "AnyAssessment") -> Iterator[str]:
     """Say what in the recording contradicts what is stated, or is faulty."""
     content = assessment.to_dict()
     yield from content["error"].get("contradictions", ())
-    if not isinstance(assessment, CoupledAssessment):
-        yield from (contradiction.finding for contradiction in assessment.contradictions)
+    yield from (contradiction.finding for contradiction in assessment.contradictions)
     yield from (fault["finding"] for fault in content.get("faults", ()))
 
 

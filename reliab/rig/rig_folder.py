@@ -116,6 +116,13 @@ def describe_test(
     assessment: Assessment | FrameAssessment, texts: Mapping[str, str], covariates: Mapping[str, float]
 ) -> RigTest:
     """Take from an assessment what a rig's table holds; `texts` are its names and labels."""
+    if assessment.tracking is None:
+        raise InputError(
+            "A rig keeps tests of one actuator",
+            value=f"{len(assessment.error.displacements)}",
+            remedy="Judge this one with `reliab assess`",
+            where=assessment.recording.name,
+        )
     content = assessment.to_dict()
     errors = content["error"]
     own_a, own_b = _own_ellipse(assessment)

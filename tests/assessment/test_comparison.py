@@ -98,8 +98,7 @@ def errors_drawn(rows, values):
         )
         inferred = SimpleNamespace(posterior=SimpleNamespace(means={}))
         made[file] = SimpleNamespace(
-            rebuilt=SimpleNamespace(inferred=inferred),
-            displacements=[SimpleNamespace(draws=draws)],
+            rebuilt=SimpleNamespace(inferred=inferred, draws=draws),
             estimate=lambda _metric, file=file: Estimate(value=values[file], low=0.0, high=1.0),
         )
     return made

@@ -12,7 +12,7 @@ import reliab
 from reliab.app.cli import run
 from reliab.assessment.assess import assess
 from reliab.assessment.corrected_response import correct_response
-from reliab.assessment.frame_assessment import CoupledAssessment
+from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.substructures import Substructures
 from reliab.core.shipped import shipped
 from reliab.recordings.recording import Recording
@@ -82,7 +82,7 @@ def test_degrees_of_freedom_without_mass_follow_too() -> None:
 
 
 @pytest.fixture(scope="module")
-def coupled_test() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
+def coupled_test() -> tuple[FrameAssessment, np.ndarray, np.ndarray]:
     """A test of the frame that ships; its true displacements, and those of the specimen."""
     frame = read_structure(shipped("datasets", "frames/two_actuators.toml"))
     ran = coupled_response(frame.partition, frame.transfer_system, _GROUND, _STEP)
@@ -105,13 +105,13 @@ def coupled_test() -> tuple[CoupledAssessment, np.ndarray, np.ndarray]:
     return assess(recording, frame), reference_response(full_test, _GROUND, _STEP), ran.measured
 
 
-def _shaken_by(result: CoupledAssessment, ground: np.ndarray | None) -> xr.Dataset:
+def _shaken_by(result: FrameAssessment, ground: np.ndarray | None) -> xr.Dataset:
     return correct_response(replace(result, recording=replace(result.recording, ground=ground)))
 
 
 @pytest.mark.slow
 def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
-    coupled_test: tuple[CoupledAssessment, np.ndarray, np.ndarray],
+    coupled_test: tuple[FrameAssessment, np.ndarray, np.ndarray],
 ) -> None:
     """A roof that nobody measured is right too."""
     result, true, displacement = coupled_test
@@ -137,7 +137,7 @@ def test_several_actuators_are_corrected_at_all_degrees_of_freedom(
 
 @pytest.mark.slow
 def test_foreign_ground_motion_is_refused(
-    coupled_test: tuple[CoupledAssessment, np.ndarray, np.ndarray],
+    coupled_test: tuple[FrameAssessment, np.ndarray, np.ndarray],
 ) -> None:
     """Its sign may be the opposite one; without it, or with another one, the interface alone is corrected."""
     result, true, _ = coupled_test

@@ -187,7 +187,8 @@ def test_its_report_is_written(recording_file, tmp_path):
 
 
 def test_a_loop_beyond_its_critical_delay_has_no_margin(assessment):
-    late = replace(assessment, limit=replace(assessment.limit, delay=0.5 * assessment.longest_delay))
+    longest = max(actuator.delay for actuator in assessment.actuators)
+    late = replace(assessment, limit=replace(assessment.limit, delay=0.5 * longest))
     assert late.stability_margin == pytest.approx(-1.0)
 
 
@@ -419,3 +420,22 @@ def test_a_ground_motion_of_another_test_is_noticed(recording_file, ground_file)
     assert any("does not belong to this test" in warning for warning in other.warnings)
     assert not other.error.ground.fits
     assert other.error.inferred.posterior.circumstances.channels.ground is None
+
+
+def test_tests_of_several_actuators_are_ranked_by_their_largest_errors():
+    frame = read_structure(shipped("datasets", FRAME))
+    time, motion = shaking()
+    tests, errors = [], []
+    for corner in (2000.0, 6000.0):
+        lag = TransferFunction(numerator=(corner,), denominator=(1.0, corner))
+        rig = ActuatorMatrix(kinematics=frame.kinematics, transfer=((lag, None), (None, lag)))
+        run = coupled_response(frame.partition, rig, motion, STEP)
+        noise = 1e-6 * np.random.default_rng(0).normal(size=(2, time.size))
+        channels = frame.kinematics @ run.command, frame.kinematics @ run.measured + noise
+        tests.append(Recording(command=channels[0], measured=channels[1], time_step=STEP, name=f"{corner}"))
+        error, peak = run.measured - run.reference, np.abs(run.reference).max(axis=1)
+        errors.append((np.sqrt(np.mean(error**2, axis=1)) / peak).max())
+    first, second = reliab.compare(tests, frame).tests
+    assert (first.file, second.file) == ("6000.0", "2000.0")
+    assert second.difference.low < errors[0] - errors[1] < second.difference.high
+    assert second.to_dict()["A"] == second.assessment.to_dict()["A"]

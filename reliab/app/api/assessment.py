@@ -28,7 +28,6 @@ from reliab.assessment.assess import AnyAssessment, assess as assess_recording
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.corrections import correct_recording, delays_of_filters
 from reliab.assessment.judged_test import verdict_table
-from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, require_ending, written_whole
 from reliab.core.plain_values import write_table
 from reliab.core.progress import Progress, silent
@@ -77,7 +76,7 @@ def assess(  # type: ignore[overload-overlap]
     *,
     progress: Progress = ...,
     **options: Unpack[questions.AssessmentQuestion],
-) -> "FrameAssessment": ...  # with several actuators a CoupledAssessment
+) -> "FrameAssessment": ...
 @overload
 def assess(
     test: Iterable[Test],
@@ -109,7 +108,7 @@ def assess(
 
     Returns
     -------
-    Assessment, FrameAssessment, CoupledAssessment or Assessments
+    Assessment, FrameAssessment or Assessments
         Error of the test with its interval, verdict, index and what to improve first; of several tests those
         by file, with the reasons why some could not be judged.
 
@@ -298,20 +297,8 @@ def compare(
 def compare_assessments(assessments: "Assessments") -> "Comparison":
     """Rank tests that were judged."""
     from reliab.assessment.comparison import rank_tests
-    from reliab.assessment.frame_assessment import CoupledAssessment
 
-    comparable = {
-        file: assessment
-        for file, assessment in assessments.judged.items()
-        if not isinstance(assessment, CoupledAssessment)
-    }
-    if len(comparable) < len(assessments.judged):
-        raise InputError(
-            "Only tests of one actuator can be compared",
-            value="a frame with several",
-            remedy="Judge each with `reliab assess`: its governing displacement is listed first",
-        )
-    return rank_tests(comparable, assessments.faults)
+    return rank_tests(assessments.judged, assessments.faults)
 
 
 def file_report(

@@ -23,7 +23,6 @@ from reliab.app.api.assessment import assess
 from reliab.app.api.channels import FileReading, find_test
 from reliab.app.declaration import asks
 from reliab.assessment.default_criterion import ellipses_of_motions
-from reliab.assessment.frame_assessment import CoupledAssessment
 from reliab.assessment.judged_test import plot_errors
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.core.columns import Columns
@@ -285,13 +284,6 @@ class _Keeper:
                     )
             return None
         assessment = assess(path, **{**vars(reading), **self.terms})
-        if isinstance(assessment, CoupledAssessment):
-            raise InputError(
-                "A rig keeps tests of one actuator",
-                value=f"{len(assessment.error.displacements)}",
-                remedy="Judge this one with `reliab assess`",
-                where=str(path),
-            )
         now = datetime.now(tz=UTC).replace(tzinfo=None).isoformat(timespec="microseconds")
         texts = {
             "sha256": checksum,

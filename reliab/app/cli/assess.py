@@ -193,18 +193,15 @@ def compare(request: Request) -> None:
 def show_details(assessment: "AnyAssessment", channels: list[dict[str, Any]]) -> None:
     """Print what the report of a test says, below the verdict, and the `channels` that were recognised."""
     from reliab.assessment.assessment import Assessment
-    from reliab.assessment.frame_assessment import CoupledAssessment
-    from reliab.report.kinds.assessment.frame import frame_assessment_report, modes_table
+    from reliab.report.kinds.assessment.frame import frame_assessment_report
     from reliab.report.kinds.assessment.report import assessment_report
-    from reliab.report.terminal import print_blocks, print_document
+    from reliab.report.terminal import print_document
 
     if isinstance(assessment, Assessment):
         notes = tuple(_describe_index_verdict(assessment))
         print_document(assessment_report(assessment, provenance={}, notes=notes), console())
     else:
         print_document(frame_assessment_report(assessment, provenance={}), console())
-    if isinstance(assessment, CoupledAssessment):
-        print_blocks((modes_table(assessment),), console())
     if channels:
         columns = (
             f"{item['channel']} = {item['column']!r} ({item['unit'] or 'no unit'}; {item['reason']})"

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure as Drawing
 
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.frame_assessment import CoupledAssessment, FrameAssessment, JudgedFrame, ModeOfTest
+from reliab.assessment.frame_assessment import FrameAssessment, ModeOfTest
 from reliab.assessment.parts import part_in_words
-from reliab.assessment.tracking_index import LEVEL
+from reliab.assessment.tracking_index import LEVEL, TrackingIndex
 from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
@@ -43,16 +43,13 @@ from reliab.tracking.indices.tracking import TrackingOverFrequency
 _KILO = 1e3
 
 
-def frame_assessment_report(
-    assessment: FrameAssessment | CoupledAssessment, *, provenance: Mapping[str, object]
-) -> Document:
+def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[str, object]) -> Document:
     """Report the verdict on a test of a frame, with one actuator or with several."""
-    if isinstance(assessment, CoupledAssessment):
-        has_several, criterion = True, None
+    has_several, criterion = assessment.error.has_several, assessment.criterion
+    if assessment.tracking is None:
         error_blocks, tracking_blocks = _displacement_blocks(assessment)
     else:
-        has_several, criterion = False, assessment.criterion
-        error_blocks, tracking_blocks = _interface_blocks(assessment)
+        error_blocks, tracking_blocks = _interface_blocks(assessment, assessment.tracking)
     sections = (
         Section(title="The error of this test", blocks=error_blocks),
         Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
@@ -70,7 +67,9 @@ def frame_assessment_report(
     )
 
 
-def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
+def _interface_blocks(
+    assessment: FrameAssessment, tracking: TrackingIndex
+) -> tuple[tuple[Block, ...], Section]:
     """Error of the one interface displacement, and how its actuator tracked."""
     error, recording = assessment.error, assessment.recording
     error_blocks = (
@@ -79,11 +78,11 @@ def _interface_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], S
         histories_figure(error.displacements[0], error.parts, recording),
     )
     return error_blocks, Section(
-        title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment)
+        title="Amplitude and delay over frequency", blocks=_frequency_blocks(assessment, tracking)
     )
 
 
-def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ...], Section]:
+def _displacement_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...], Section]:
     """Errors of several interface displacements, and what each actuator did."""
     error, governing = assessment.error, assessment.error.governing
     figures: tuple[Block, ...] = ()
@@ -94,11 +93,11 @@ def _displacement_blocks(assessment: CoupledAssessment) -> tuple[tuple[Block, ..
         budget_table(assessment.budget, assessment.error.would_decide),
         *figures,
     )
-    blocks = (_parts(error), _tracking(assessment))
+    blocks = (_parts(error), _tracking(assessment), _modes(assessment))
     return error_blocks, Section(title="Where the error comes from", blocks=blocks)
 
 
-def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
+def _facts(assessment: FrameAssessment) -> dict[str, Prose]:
     recording, partition = assessment.recording, assessment.frame.partition
     facts: dict[str, Prose] = {
         "Structure": f"{assessment.frame.name}: {partition.frame.size} degrees of freedom",
@@ -107,12 +106,11 @@ def _facts(assessment: FrameAssessment | CoupledAssessment) -> dict[str, Prose]:
             f"{recording.duration:.4g} s"
         ),
     }
-    if isinstance(assessment, CoupledAssessment):
-        return facts | _facts_of_several(assessment)
-    return facts | _facts_of_one(assessment)
+    facts_of = _facts_of_several if assessment.error.has_several else _facts_of_one
+    return facts | facts_of(assessment)
 
 
-def _facts_of_several(assessment: CoupledAssessment) -> dict[str, Prose]:
+def _facts_of_several(assessment: FrameAssessment) -> dict[str, Prose]:
     position = "of the interface" if assessment.frame.channels_at_interface else "of the actuators"
     return {
         "Driven": f"{', '.join(assessment.frame.partition.names)}; channels are displacements {position}",
@@ -145,7 +143,7 @@ def _specimen(assessment: FrameAssessment) -> str:
     )
 
 
-def _cautions(assessment: JudgedFrame) -> list[Prose]:
+def _cautions(assessment: FrameAssessment) -> list[Prose]:
     error = assessment.error
     subject = (
         "a linear frame with the stated matrices"
@@ -156,11 +154,10 @@ def _cautions(assessment: JudgedFrame) -> list[Prose]:
     return [*remarks(assessment), f"The error is that of {subject}, whatever the actuator did."]
 
 
-def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
+def _frequency_blocks(assessment: FrameAssessment, tracking: TrackingIndex) -> tuple[Block, ...]:
     over_frequency, index = assessment.over_frequency, assessment.resolved
     if over_frequency is None or index is None:
-        return (_indices(assessment), modes_table(assessment))
-    tracking = assessment.tracking
+        return (_indices(assessment, tracking), _modes(assessment))
     figure = Figure(
         drawing=amplitude_and_delay_over_frequency(
             over_frequency,
@@ -177,11 +174,11 @@ def _frequency_blocks(assessment: FrameAssessment) -> tuple[Block, ...]:
         f"without them {percent(index.remaining_rms, 2)} would remain, which no gain and delay "
         "describes: noise, friction, saturation, or a force that was fed back late."
     )
-    return (_indices(assessment), modes_table(assessment), Paragraph(text=text), figure)
+    return (_indices(assessment, tracking), _modes(assessment), Paragraph(text=text), figure)
 
 
-def _indices(assessment: FrameAssessment) -> Table:
-    tracking, margin = assessment.tracking, assessment.stability_margin
+def _indices(assessment: FrameAssessment, tracking: TrackingIndex) -> Table:
+    margin = assessment.stability_margin
     amplitude, delay = tracking.amplitude, tracking.delay
     (low_a, high_a), (low_d, high_d) = tracking.interval(LEVEL)
     critical = MILLI * assessment.critical_delay
@@ -206,7 +203,7 @@ def _indices(assessment: FrameAssessment) -> Table:
     )
 
 
-def modes_table(assessment: JudgedFrame) -> Table:
+def _modes(assessment: FrameAssessment) -> Table:
     """Tabulate the modes of the structure, and how the actuator tracked at their frequencies."""
     rows = [(str(place), *_mode_row(mode)) for place, mode in enumerate(assessment.modes, start=1)]
     return text_table(
@@ -246,7 +243,7 @@ def _method(*, has_several: bool) -> Prose:
     )
 
 
-def _stability(assessment: CoupledAssessment) -> str:
+def _stability(assessment: FrameAssessment) -> str:
     limit = assessment.limit
     if not np.isfinite(limit.delay):
         return "no delay that all actuators have in common makes the loop unstable"
@@ -261,7 +258,7 @@ def _stability(assessment: CoupledAssessment) -> str:
     )
 
 
-def _errors(assessment: CoupledAssessment) -> Table:
+def _errors(assessment: FrameAssessment) -> Table:
     rows: list[tuple[str, ...]] = []
     for degree in assessment.error.displacements:
         if not degree.judged:
@@ -310,7 +307,7 @@ def _parts(error: ErrorOfTest) -> Table:
     )
 
 
-def _tracking(assessment: CoupledAssessment) -> Table:
+def _tracking(assessment: FrameAssessment) -> Table:
     gain, delay = assessment.error.rebuilt.readings.tracking
     rows = [
         (
