@@ -135,7 +135,6 @@ class CriterionQuestion(
     law: How the limits depend on f and ξ: table (the default), or another law.
     steps: Steps of the hierarchical methods' chains, a multiple of 4.
     chains: Keep the chains of the hierarchical methods, so that a run can go on with them.
-    compare: Test distributions and laws on unseen earthquakes, too.
     figures: Folder for figures of the criteria and their posteriors.
     out: Write the criterion, for `reliab assess --criterion`.
     """
@@ -149,7 +148,6 @@ class CriterionQuestion(
     law: Annotated[str, METHOD.option("NAME", default="table", completion=declaration.laws)]
     steps: Annotated[int | None, METHOD.advanced("N")]
     chains: Annotated[str | Path | None, METHOD.advanced("FILE.h5")]
-    compare: Annotated[bool, METHOD.advanced_flag()]
     figures: Annotated[str | Path | None, OUTPUT.advanced("FOLDER")]
     out: Annotated[str | Path | None, OUTPUT.option("FILE.json", endings=(".json",))]
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from reliab.core.errors import InputError
 from reliab.criterion.laws.dimensionless import Dimensionless
 from reliab.criterion.population import Population
-from reliab.validation.comparison import leave_one_event_out
+
+from .law_comparison import leave_one_event_out
 
 
 def gain_of_terms(

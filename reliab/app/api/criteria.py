@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from reliab.app import questions
-from reliab.app.api.derived_criteria import Criteria, compare_candidates, draw_criteria
+from reliab.app.api.derived_criteria import Criteria, draw_criteria
 from reliab.app.api.sources import (
     FIVE_PERCENT,
     ONE_HERTZ,
@@ -164,11 +164,11 @@ class _Question:
                 "`figures` needs a source of ellipses",
                 remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
             )
-        if self.has_source and self.figures is None and not self.asked["compare"]:
+        if self.has_source and self.figures is None:
             raise InputError(
                 "A published law needs no motions",
                 value=f"{self.law} with a source of ellipses",
-                remedy="Leave the source out, or give `figures` or `compare`",
+                remedy="Leave the source out, or give `figures`",
             )
         idle = [
             f"`{name}`" for name in (*_RECORD_OPTIONS, *_EARTHQUAKE_OPTIONS) if self.asked[name] is not None
@@ -307,7 +307,7 @@ class _Question:
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
-        idle_options = [f"`{name}`" for name in ("figures", "compare", "chains") if self.asked[name]]
+        idle_options = [f"`{name}`" for name in ("figures", "chains") if self.asked[name]]
         if len(shares) > 1 and idle_options:
             raise InputError(
                 f"{' and '.join(idle_options)} need one share of the stiffness",
@@ -338,8 +338,6 @@ class _Question:
                 file.write_text(result.criteria[0].to_json(), encoding="utf-8")
         if self.figures is not None and (names := draw_criteria(self.figures, result)):
             additions["figures"] = names
-        if self.asked["compare"]:
-            additions["comparison"] = compare_candidates(result)
         additions |= {
             **_frame(result.ellipses),
             **self._limits_of_actuators(),

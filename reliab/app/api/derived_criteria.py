@@ -11,14 +11,13 @@ import numpy as np
 import xarray as xr
 
 from reliab.core.columns import PLACE_COLUMNS, Columns, digits
-from reliab.core.errors import IncompleteError, InputError
+from reliab.core.errors import IncompleteError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.plain_values import Keys, ResultWithRows
 from reliab.core.progress import show_task
 from reliab.core.shipped import shipped
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import Side
-from reliab.criterion.cautions import lognormality
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation, exact_share
 from reliab.criterion.distributions import Lognormal
@@ -60,7 +59,7 @@ class Criteria(ResultWithRows):
     structures: tuple[tuple[float, float], ...]  # Natural frequencies [Hz] and damping ratios [-]
     ellipses: xr.Dataset | None = None  # None for a printed law without a source of them
     derivations: tuple[Derivation, ...] = ()  # One for each share of the stiffness and error
-    # What else was asked for: `figures`, `comparison`; of frames `frame` and `rig`, of several actuators
+    # What else was asked for: `figures`; of frames `frame` and `rig`, of several actuators
     # `cross_coupling`, of several shares of the stiffness `share_law`
     additions: Mapping[str, Any] = field(default_factory=dict)
 
@@ -139,76 +138,6 @@ def _describe_kept_share(criterion: Criterion, summary: Mapping[str, Any]) -> di
         "`reliab run validation` measures it for all structures."
     )
     return {"kept_by": share, "warnings": [sentence, *summary["warnings"]]}
-
-
-def compare_candidates(result: Criteria) -> dict[str, Any]:
-    """Compare distributions of a and b at structures, and laws over all structures of the ellipses.
-
-    Returns `distributions`, a list with `f`, `xi`, `threshold`, `parameter`, p-values of `lognormality` and
-    `scores` of each distribution; `laws`, a list over threshold, law and f, empty for one structure.
-    """
-    dataset, criteria = result.ellipses, result.criteria
-    if dataset is None:
-        raise InputError(
-            "`compare` needs a source of ellipses",
-            remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
-        )
-    thresholds = list(dict.fromkeys(criterion.threshold for criterion in criteria))
-    metric, confidence = str(criteria[0].metric), criteria[0].confidence
-    curve = criteria[0].provenance.curve
-    if np.unique(dataset["event"]).size < 2:  # noqa: PLR2004 - one is held out
-        raise InputError(
-            "Comparing needs motions of at least two earthquakes",
-            value=1,
-            remedy="Give motions of more earthquakes, or leave `compare` out",
-        )
-    jobs = [(f, xi, threshold) for f, xi in result.structures_with_ellipses for threshold in thresholds]
-    distributions: list[dict[str, Any]] = []
-    with show_task("Comparing distributions") as progress:
-        for count, (f, xi, threshold) in enumerate(jobs, start=1):
-            distributions += _distributions(dataset, f, xi, threshold, metric, curve)
-            progress(count, len(jobs))
-    has_structures = dataset.sizes["f"] * dataset.sizes["xi"] > 1
-    laws = (
-        [row for threshold in thresholds for row in _laws(dataset, threshold, metric, confidence, curve)]
-        if has_structures
-        else []
-    )
-    return {"distributions": distributions, "laws": laws}
-
-
-def _distributions(
-    dataset: "xr.Dataset", f: float, xi: float, threshold: float, metric: str, curve: str
-) -> list[dict[str, Any]]:
-    from reliab.validation.comparison import compare_distributions
-
-    sample = sample_of(
-        dataset, frequency=f, damping_ratio=xi, threshold=threshold, metric=metric, curve=curve
-    )
-    coordinates = {"f": f, "xi": xi, "threshold": threshold}
-    return [
-        {
-            **coordinates,
-            "parameter": name,
-            "lognormality": lognormality(values),
-            "scores": compare_distributions(values, sample.events)
-            .rename_axis("distribution")
-            .reset_index()
-            .to_dict(orient="records"),
-        }
-        for name, values in (("a", sample.a), ("b", sample.b))
-    ]
-
-
-def _laws(
-    dataset: "xr.Dataset", threshold: float, metric: str, confidence: float, curve: str
-) -> list[dict[str, Any]]:
-    from reliab.validation.comparison import compare_laws
-
-    scores = compare_laws(dataset, threshold=threshold, metric=metric, confidence=confidence, curve=curve)
-    return [
-        {"threshold": threshold, **{str(k): v for k, v in row.items()}} for row in scores.to_dict("records")
-    ]
 
 
 def draw_criteria(folder: Path, result: Criteria) -> list[str]:

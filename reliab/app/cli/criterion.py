@@ -62,13 +62,6 @@ _SHARES: Columns = {
     "a off by": ("a_deviation", _deviation),
     "b off by": ("b_deviation", _deviation),
 }
-_SCORES: Columns = {
-    "distribution": ("distribution", ""),
-    **{
-        name.replace("_", " "): (name, digits)
-        for name in ("log_score", "gain", "standard_error", "tail_score", "quantile_05")
-    },
-}
 _CURVES = {
     "inscribed": "inscribed in the motions' boundaries",
     "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
@@ -214,38 +207,6 @@ def _show_shares(share_law: Mapping[str, Any]) -> None:
     )
 
 
-def _show_comparison(comparison: Mapping[str, Any]) -> None:
-    """Print how distributions and laws compare."""
-    for distribution in comparison["distributions"]:
-        tests = ", ".join(
-            f"{name.replace('_', '-')} {significant(p, 2)}"
-            for name, p in distribution["lognormality"].items()
-        )
-        place = (
-            f"f = {distribution['f']:g} Hz, ξ = {distribution['xi']:g}, error {distribution['threshold']:g}"
-        )
-        heading = f"Distributions of {distribution['parameter']} at {place}, earthquakes held out."
-        say(f"{heading} p of lognormality: {tests}.")
-        show_rows("", _SCORES, distribution["scores"])
-    for threshold in dict.fromkeys(row["threshold"] for row in comparison["laws"]):
-        threshold_rows = [row for row in comparison["laws"] if row["threshold"] == threshold]
-        _show_laws(f"error {threshold:g}", threshold_rows)
-
-
-def _show_laws(error: str, rows: Sequence[Mapping[str, Any]]) -> None:
-    frequencies = list(dict.fromkeys(row["f"] for row in rows))
-    for key, quantity in (
-        ("log_score", "held-out log score"),
-        ("region_at_f", "accepted region at equal coverage"),
-    ):
-        say(f"Laws at {error}: {quantity} by f [Hz].")
-        cells = [
-            (law, *(significant(row[key]) for row in rows if row["law"] == law))
-            for law in dict.fromkeys(row["law"] for row in rows)
-        ]
-        show_table("", {"law": "left", **{f"{f:g}": "right" for f in frequencies}}, cells)
-
-
 def show_choices() -> None:
     """Print what --method, --law and --distribution may be, with what each means."""
     from reliab.criterion.distributions import DISTRIBUTIONS
@@ -283,7 +244,6 @@ _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
     "cross_coupling": _show_coupling,
     "rig": _show_rig,
     "share_law": _show_shares,
-    "comparison": _show_comparison,
 }
 
 

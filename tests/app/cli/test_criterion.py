@@ -185,7 +185,6 @@ def test_rejected_lognormality_is_said():
         (("--ellipses", TABLE2, "--figures", TABLE2), "no folder for figures"),
         (("--ellipses", TABLE2, "--law", "guo_2017_12"), "needs no motions"),
         (("--law", "guo_2017_12", "--figures", "figures"), "needs a source of ellipses"),
-        (("--law", "guo_2017_12", "--compare"), "needs a source of ellipses"),
         (("--law", "guo_2017_18", "--threshold", 0.02), "for an error of 0.05 only"),
         (("--law", "guo_2017_18", "--confidence", 0.99), r"is for 95 %.*confidence"),
         (("--law", "guo_2017_18", "--method", "dirichlet"), r"is for 95 %.*method"),
@@ -330,30 +329,6 @@ def test_structure_without_ellipses_gets_a_criterion_and_no_figure(tmp_path):
     assert [row["f"] for row in content["criteria"]] == [1, 1.13]
     assert (tmp_path / "criterion.json").is_file()
     assert content["figures"] == ["criterion_f1_xi0.02_rms0.05.svg"]
-
-
-@pytest.mark.slow
-def test_distributions_and_laws_are_compared_on_held_out_earthquakes():
-    content = answer("--ellipses", TABLE2, "--compare")["comparison"]
-    distribution_a, distribution_b = content["distributions"]
-    assert (distribution_a["parameter"], distribution_b["parameter"]) == ("a", "b")
-    assert distribution_b["lognormality"]["shapiro_wilk"] == pytest.approx(5.3e-5, rel=0.02)
-    gains = {row["distribution"]: row["gain"] for row in distribution_b["scores"]}
-    assert gains["lognormal"] == 0.0
-    assert gains["skew_normal"] > 0.0 > gains["weibull"]
-    assert content["laws"] == []
-
-
-@pytest.mark.slow
-def test_laws_are_compared_over_structures(ellipses_of_twelve):
-    arguments = ("--ellipses", ellipses_of_twelve, "--f", 1, "--xi", 0.05, "--law", "power", "--compare")
-    arguments = (*arguments, "--confidence", 0.8)
-    laws = answer(*arguments)["comparison"]["laws"]
-    assert {row["f"] for row in laws} == {0.5, 1.0}
-    assert {"table", "dimensionless", "power", "exponential"} <= {row["law"] for row in laws}
-    output = run(*arguments).stdout
-    assert "accepted region at equal coverage" in output
-    assert "p of lognormality" in output
 
 
 @pytest.mark.parametrize("converged", [True, False])

@@ -172,7 +172,7 @@ def test_criteria_of_several_shares_stand_beside_their_law(records):
 
 @pytest.mark.slow
 @pytest.mark.default_cases(1)
-@pytest.mark.parametrize("extra", [("--compare",), ("--figures", "figures"), ("--out", "criterion.json")])
+@pytest.mark.parametrize("extra", [("--figures", "figures"), ("--out", "criterion.json")])
 def test_options_of_one_share_are_refused_for_several(records, tmp_path, monkeypatch, extra):
     monkeypatch.chdir(tmp_path)
     result = run("--motions", records, "--alpha", "0.5", "--alpha", "1", "--confidence", "0.5", *extra)

@@ -139,7 +139,6 @@ CHANGES = {
     ],
     "steps": [],
     "chains": [],
-    "compare": [],
     "figures": [],
     "out": [],
     "json_target": [],
@@ -208,7 +207,6 @@ UNUSABLE = {
     "law": [(FILE, ("--law", "magic")), (FILE, ("--law", "guo_2017_12"))],
     "steps": [(FILE, ("--steps", "40")), (PUBLISHED_LAW, ("--steps", "40"))],
     "chains": [(FILE, ("--chains", "chains.h5")), (PUBLISHED_LAW, ("--chains", "chains.h5"))],
-    "compare": [(PUBLISHED_LAW, ("--compare",))],
     "figures": [(PUBLISHED_LAW, ("--figures", "{folder}/figures")), (PAPER, ("--figures", TABLE2))],
     "out": [(PAPER, ("--out", "{folder}/none/criterion.json"))],
     "json_target": [],
@@ -230,7 +228,7 @@ def cases(table):
 def test_the_walk_meets_every_option():
     options = set(inspect.signature(criterion).parameters) - {"context", "list_all", "details"}
     assert set(CHANGES) == set(UNUSABLE) == options
-    tested_elsewhere = {"model", "steps", "chains", "compare", "figures", "out", "json_target"}
+    tested_elsewhere = {"model", "steps", "chains", "figures", "out", "json_target"}
     assert all(CHANGES[name] or name in tested_elsewhere for name in options)
 
 

@@ -98,23 +98,6 @@ POSTERIOR = {
     "threshold": 0.04, "metric": "rms", "ensembles": 4, "walkers": 32, "steps": 900, "accepted": 0.31,
     "converged": True, "complaints": [], "parameters": [],
 }  # fmt: skip
-SCORES = {"log_score": 1.1, "gain": 2.2, "standard_error": 3.3, "tail_score": 4.4, "quantile_05": 5.5}
-COMPARISON = {
-    "distributions": [
-        {
-            "parameter": "a",
-            "f": 1.25,
-            "xi": 0.03,
-            "threshold": 0.04,
-            "lognormality": {"shapiro_wilk": 0.44},
-            "scores": [{"distribution": "weibull", **SCORES}],
-        }
-    ],
-    "laws": [
-        {"law": "power", "f": f, "threshold": 0.04, "log_score": 10 * f, "region_at_f": 100 * f}
-        for f in (1.5, 2.5)
-    ],
-}
 
 
 def test_limits_of_shares_stand_below_their_headings(tables, capsys):
@@ -178,26 +161,6 @@ def test_the_error_of_a_rig_stands_below_its_heading(tables, capsys):
     }
     show_criteria({"criteria": [LIMITS], "rig": {**RIG, "stable": False}}, details=True)
     assert "the test of this frame is unstable" in capsys.readouterr().out
-
-
-def test_distributions_and_laws_stand_below_their_headings(tables, capsys):
-    show_criteria({"criteria": [LIMITS], "comparison": COMPARISON}, details=True)
-    _, scores, scores_of_laws, regions_of_laws = map(cells, tables.values())
-    assert scores == [
-        {
-            "distribution": "weibull",
-            "log score": "1.1",
-            "gain": "2.2",
-            "standard error": "3.3",
-            "tail score": "4.4",
-            "quantile 05": "5.5",
-        }
-    ]
-    assert scores_of_laws == [{"law": "power", "1.5": "15", "2.5": "25"}]
-    assert regions_of_laws == [{"law": "power", "1.5": "150", "2.5": "250"}]
-    text = " ".join(capsys.readouterr().out.split())
-    assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04, earthquakes held out." in text
-    assert "p of lognormality: shapiro-wilk 0.44." in text
 
 
 @pytest.mark.parametrize(("truth", "noted"), [("ellipse", True), ("simulation", False)])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from reliab_studies.paper2017.audit import audit
+from reliab_studies.validation.law_comparison import compare_laws
 from reliab_studies.validation.motion_terms import gain_of_terms
 
 from reliab.core.shipped import shipped
@@ -14,7 +15,6 @@ from reliab.simulation.excitation import Excitation
 from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_table import EllipseRequest, trace_ellipses
 from reliab.tracking.boundary.first_order import first_order_ellipse
-from reliab.validation.comparison import compare_laws
 
 pytestmark = pytest.mark.slow
 

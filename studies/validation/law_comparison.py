@@ -1,4 +1,4 @@
-"""Comparison of distributions and of laws on earthquakes that were held out."""
+"""Comparison of laws on earthquakes that were held out."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,70 +11,16 @@ from numpy.typing import NDArray
 
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import CurveName
-from reliab.criterion.distributions import DISTRIBUTIONS, Distribution, Lognormal
 from reliab.criterion.laws.law import Law, scales
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, FittedLaw
 from reliab.criterion.methods.method import Scatter
 from reliab.criterion.population import Population
-
-TAIL = 0.05
-"""The quantile by which tails are judged, that of a criterion at 95 %."""
 
 
 def leave_one_event_out(events: NDArray[np.str_]) -> Iterator[NDArray[np.bool_]]:
     """Masks of the motions of each earthquake in turn, shape (motions,)."""
     for event in np.unique(events):
         yield events == event
-
-
-def score_held_out_events(
-    values: NDArray[np.float64], events: NDArray[np.str_], family: type[Distribution]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Score motions by a distribution fitted to those of all other earthquakes.
-
-    `values`, `events` (motions,). Returns the logarithm of the density of each motion's logarithm, of which
-    more is better, and the pinball loss of the 5 % quantile of the logarithm, of which less is, (motions,).
-    """
-    log_score, tail_score = np.empty(values.size), np.empty(values.size)
-    for held_out in leave_one_event_out(events):
-        distribution = family.fit(values[~held_out])
-        log_score[held_out] = distribution.log_density(values[held_out]) + np.log(values[held_out])
-        excess = np.log(values[held_out]) - np.log(distribution.quantile(TAIL))
-        tail_score[held_out] = excess * (TAIL - (excess < 0.0))
-    return log_score, tail_score
-
-
-def compare_distributions(values: NDArray[np.float64], events: NDArray[np.str_]) -> pd.DataFrame:
-    """Compare all distributions by their scores on held-out earthquakes.
-
-    Returns one row for each distribution, best log score first: mean scores, the gain in log score over the
-    lognormal with its standard error over earthquakes, and the fitted 5 % quantile.
-
-    >>> rng = np.random.default_rng(1)
-    >>> values, events = rng.weibull(1.0, 60), np.repeat(np.arange(4), 15).astype(str)
-    >>> compare_distributions(values, events).loc["weibull", "gain"] > 0.0
-    np.True_
-    """
-    reference, _ = score_held_out_events(values, events, Lognormal)
-    rows = {}
-    for name, family in DISTRIBUTIONS.items():
-        log_score, tail_score = score_held_out_events(values, events, family)
-        difference = log_score - reference
-        rows[name] = {
-            "log_score": log_score.mean(),
-            "gain": difference.mean(),
-            "standard_error": _error_over_events(difference, events),
-            "tail_score": tail_score.mean(),
-            "quantile_05": float(family.fit(values).quantile(TAIL)),
-        }
-    return pd.DataFrame.from_dict(rows, orient="index").sort_values("log_score", ascending=False)
-
-
-def _error_over_events(values: NDArray[np.float64], events: NDArray[np.str_]) -> float:
-    """Find the standard error of a mean over motions whose earthquakes were drawn."""
-    deviation = values - values.mean()
-    sums = np.array([deviation[event].sum() for event in leave_one_event_out(events)])
-    return float(np.sqrt((sums**2).sum()) / values.size)
 
 
 _PRINTED_CONFIDENCE = 0.95
