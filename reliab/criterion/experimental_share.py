@@ -9,16 +9,13 @@ weight 1/π(1 + δ²), so that the mean square of the second factor is 1 + α²/
 For α far above ξ that is 1/α². The specimen must be a spring: nothing is said of dampers and masses.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
-from reliab.criterion.criterion import Criterion
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,115 +115,3 @@ def carry_to_share(ellipses: "xr.Dataset", experimental_fraction: float) -> "xr.
     return carried_ellipses.assign_attrs(
         experimental_fraction=experimental_fraction, caution=f"{previous_caution} {caution}".strip()
     )
-
-
-_NEAR_REACH = 0.9  # of the largest a that a boundary can have, since it is not traced further
-_LOG_STRENGTHS: Final = (-12.0, 24.0)  # natural logarithms between which the strength is sought
-
-
-def compare_shares(
-    criteria: Sequence[Criterion], structures: Sequence[tuple[float, float]]
-) -> dict[str, list[dict[str, Any]]]:
-    """Compare criteria of several shares of the stiffness with the law of the share.
-
-    `criteria`: criteria of several shares, alike in all else, at one or more thresholds and confidences;
-    `structures`: natural frequencies [Hz] and damping ratios [-]. Returns `ratios`, a list with `f`, `xi`,
-    `alpha`, `reference`, the largest share [-], `threshold`, `confidence`, `a_ratio` and `b_ratio`, limits
-    over those of the reference [-] (None where a limit is zero, and for a where boundaries reach as far as
-    they are traced), `law`, the same by the law (None below ten damping ratios, where it is not stated), and
-    `a_deviation` and `b_deviation`, ratios over that of the law, less 1 [-]; and `fits`, a list with `f`,
-    `xi`, `threshold`, `confidence`, `white_noise`, the strength 1/8ξ² of the law, and for a and b the fitted
-    `strength` and the `largest_deviation` of the ratios from the law with it (None without two ratios).
-    """
-    promises = dict.fromkeys((criterion.threshold, criterion.confidence) for criterion in criteria)
-    groups = [
-        [criterion for criterion in criteria if (criterion.threshold, criterion.confidence) == promise]
-        for promise in promises
-    ]
-    comparisons = [_ratios(group, *structure) for structure in structures for group in groups]
-    return {
-        "ratios": [ratio for ratios in comparisons for ratio in ratios],
-        "fits": [_fits(ratios) for ratios in comparisons if ratios],
-    }
-
-
-def fit_strength(shares: Array, ratios: Array, reference: float) -> tuple[float, float]:
-    """Fit the strength of resonance to ratios of limits, by least squares in their logarithms.
-
-    `shares`, `ratios`, `reference` [-]; returns strength, deviation [-].
-
-    >>> shares = np.array([0.25, 0.5])
-    >>> strength, deviation = fit_strength(shares, (1 + 300) / (1 + 300 * shares**2), 1.0)
-    >>> round(strength), round(deviation, 6)
-    (300, 0.0)
-    """
-
-    def residuals(log_strength: float) -> Array:
-        s = np.exp(log_strength)
-        return np.asarray(np.log(ratios) - np.log((1.0 + s * reference**2) / (1.0 + s * shares**2)))
-
-    best = scipy.optimize.minimize_scalar(
-        lambda log_strength: float((residuals(log_strength) ** 2).sum()),
-        bounds=_LOG_STRENGTHS,
-        method="bounded",
-        options={"xatol": 1e-8},
-    )
-    return float(np.exp(best.x)), float(np.abs(np.expm1(residuals(best.x))).max())
-
-
-def _ratios(criteria: Sequence[Criterion], f: float, xi: float) -> list[dict[str, Any]]:
-    """Ratios of one structure at one threshold and confidence."""
-    limits = {
-        criterion.provenance.experimental_fraction: [float(limit) for limit in criterion.limits(f, xi)]
-        for criterion in criteria
-    }
-    reference = max(limits)
-    from reliab.tracking.boundary.contour import REACH
-
-    furthest = _NEAR_REACH * np.expm1(-REACH * xi) ** 2
-    ratios = []
-    for share in sorted(set(limits) - {reference}):
-        a, b = (
-            (limit / reference_limit if limit > 0.0 and reference_limit > 0.0 else None)
-            for limit, reference_limit in zip(limits[share], limits[reference], strict=True)
-        )
-        a = None if limits[share][0] >= furthest else a
-        is_stated = share >= LEAST_SHARE_OVER_DAMPING * xi
-        law = float(growth(share, xi) / growth(reference, xi)) if is_stated else None
-        ratios.append(
-            {
-                "f": f,
-                "xi": xi,
-                "alpha": share,
-                "reference": reference,
-                "threshold": criteria[0].threshold,
-                "confidence": criteria[0].confidence,
-                "a_ratio": a,
-                "b_ratio": b,
-                "law": law,
-                "a_deviation": _deviation(a, law),
-                "b_deviation": _deviation(b, law),
-            }
-        )
-    return ratios
-
-
-def _deviation(ratio: float | None, law: float | None) -> float | None:
-    return None if ratio is None or law is None else ratio / law - 1.0
-
-
-def _fits(ratios: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Strengths of resonance fitted to the ratios of one structure."""
-    first = ratios[0]
-    fits: dict[str, Any] = {
-        **{name: first[name] for name in ("f", "xi", "threshold", "confidence")},
-        "white_noise": 1.0 / (8.0 * first["xi"] ** 2),
-    }
-    for name in ("a", "b"):
-        pairs = [(ratio["alpha"], ratio[f"{name}_ratio"]) for ratio in ratios]
-        points = np.array([pair for pair in pairs if pair[1] is not None], dtype=np.float64)
-        strength, deviation = (
-            fit_strength(points[:, 0], points[:, 1], first["reference"]) if len(points) > 1 else (None, None)
-        )
-        fits |= {f"{name}_strength": strength, f"{name}_largest_deviation": deviation}
-    return fits

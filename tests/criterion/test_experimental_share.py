@@ -8,7 +8,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
-from reliab.criterion.experimental_share import carry_to_share, compare_shares, growth
+from reliab.criterion.experimental_share import carry_to_share, growth
 from reliab.motions.synthetic.suite import synthetic_suite
 from reliab.simulation.engine import Loop
 from reliab.simulation.excitation import Excitation
@@ -89,33 +89,6 @@ def criteria_of(ellipses):
         derive_criterion(select_share(ellipses, alpha), method="quantile")
         for alpha in ellipses["alpha"].values
     ]
-
-
-def test_limits_of_a_law_are_recognised(tmp_path):
-    shares = [0.1, 0.3, 0.5, 1.0]
-    follows = [(alpha, (1 + 500) / (1 + 500 * alpha**2)) for alpha in shares]
-    (tmp_path / "ellipses.csv").write_text(table_of(follows))
-    ellipses = read_ellipses(tmp_path / "ellipses.csv")
-    answer = compare_shares(criteria_of(ellipses), [(1.0, 0.02)])
-    (fit,) = answer["fits"]
-    assert fit["a_strength"] == pytest.approx(500, rel=1e-4)
-    assert fit["b_strength"] == pytest.approx(500, rel=1e-4)
-    assert fit["b_largest_deviation"] < 1e-5
-    assert fit["white_noise"] == pytest.approx(312.5)
-    weak, *declared_values = answer["ratios"]
-    assert weak["alpha"] == 0.1
-    assert weak["law"] is weak["a_deviation"] is None  # below ten damping ratios
-    for row, (alpha, factor) in zip(declared_values, follows[1:-1], strict=True):
-        assert row["a_ratio"] == pytest.approx(factor)
-        assert row["b_deviation"] == pytest.approx(factor / growth(alpha, 0.02) - 1.0)
-
-
-def test_amplitude_limit_at_end_of_tracing_is_not_compared(tmp_path):
-    (tmp_path / "ellipses.csv").write_text(table_of([(0.5, 100.0), (1.0, 1.0)]))
-    ellipses = read_ellipses(tmp_path / "ellipses.csv")
-    (row,) = compare_shares(criteria_of(ellipses), [(1.0, 0.02)])["ratios"]
-    assert row["a_ratio"] is row["a_deviation"] is None
-    assert row["b_ratio"] == pytest.approx(100.0)
 
 
 def test_a_table_of_one_share_states_it(tmp_path):

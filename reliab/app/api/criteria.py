@@ -33,7 +33,6 @@ from reliab.criterion.carrying import carry_to_length, carry_to_response, carry_
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import Derivation, published_criterion
 from reliab.criterion.ellipse_table import drop_copies
-from reliab.criterion.experimental_share import compare_shares
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS, find_law
 from reliab.criterion.methods.method import Method
 from reliab.criterion.methods.registry import RECOMMENDED_METHOD, method_of
@@ -341,7 +340,6 @@ class _Question:
         additions |= {
             **_frame(result.ellipses),
             **self._limits_of_actuators(),
-            **_share_law(result),
         }
         return replace(result, additions=additions)
 
@@ -390,11 +388,3 @@ def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:
     least = np.quantile(limits, 1.0 - share, axis=0)
     rows = [[None if i == j else float(value) for j, value in enumerate(row)] for i, row in enumerate(least)]
     return {"threshold": threshold, "share_of_motions": share, "limits": rows}
-
-
-def _share_law(criteria: Criteria) -> dict[str, Any]:
-    """Compare criteria of several shares of the stiffness with the law, unless the law carried them."""
-    dataset = criteria.ellipses
-    if dataset is None or "alpha" not in dataset.dims or "caution" in dataset.attrs:
-        return {}
-    return {"share_law": compare_shares(criteria.criteria, criteria.structures)}

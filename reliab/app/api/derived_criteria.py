@@ -60,7 +60,7 @@ class Criteria(ResultWithRows):
     ellipses: xr.Dataset | None = None  # None for a printed law without a source of them
     derivations: tuple[Derivation, ...] = ()  # One for each share of the stiffness and error
     # What else was asked for: `figures`; of frames `frame` and `rig`, of several actuators
-    # `cross_coupling`, of several shares of the stiffness `share_law`
+    # `cross_coupling`
     additions: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 from reliab.app import options, questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, say_population, show_rows, show_table
-from reliab.core.columns import PLACE_COLUMNS, Columns, digits
+from reliab.core.columns import Columns
 from reliab.core.significant_digits import counted, percent, significant
-from reliab.core.vocabulary import ERROR_NAMES, LABELS, MILLI, PERCENT, Metric
+from reliab.core.vocabulary import ERROR_NAMES, LABELS, MILLI, Metric
 
 if TYPE_CHECKING:
     from reliab.app.api.design import Design
@@ -49,19 +49,6 @@ _DIAGNOSTICS: Columns = {
 }
 
 
-def _deviation(share: float | None) -> str:
-    return "-" if share is None else f"{PERCENT * share:+.1f} %"
-
-
-_SHARES: Columns = {
-    **PLACE_COLUMNS,
-    "confidence [-]": ("confidence", "g"),
-    "a over a of the largest α": ("a_ratio", digits),
-    "b over b of the largest α": ("b_ratio", digits),
-    "law": ("law", digits),
-    "a off by": ("a_deviation", _deviation),
-    "b off by": ("b_deviation", _deviation),
-}
 _CURVES = {
     "inscribed": "inscribed in the motions' boundaries",
     "ellipse": "fitted to the motions' boundaries by least squares, as in the paper",
@@ -187,26 +174,6 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
     show_table(title, {"": "left", "value": "right"}, rows.items())
 
 
-def _show_shares(share_law: Mapping[str, Any]) -> None:
-    """Print how limits of several shares compare with the law."""
-    title = "Limits over the share of the stiffness, and the law (1 + s)/(1 + s α²) with s = 1/8ξ²"
-    show_rows(title, _SHARES, share_law["ratios"])
-    for fit in share_law["fits"]:
-        place = f"f = {fit['f']:g} Hz, ξ = {fit['xi']:g}, error {fit['threshold']:g}"
-        for name in ("a", "b"):
-            strength, deviation = fit[f"{name}_strength"], fit[f"{name}_largest_deviation"]
-            if strength is not None:
-                say(
-                    f"{name} at {place}: s = {significant(strength)} fits best, off by "
-                    f"{percent(deviation, decimals=1)} "
-                    f"at most; by the law s = {significant(fit['white_noise'])}."
-                )
-    say(
-        "No law is stated for α below 10 ξ, and no ratio of a where boundaries reach the end of the "
-        "traced range."
-    )
-
-
 def show_choices() -> None:
     """Print what --method, --law and --distribution may be, with what each means."""
     from reliab.criterion.distributions import DISTRIBUTIONS
@@ -243,7 +210,6 @@ _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
     "own_boundary": _show_own_boundary,
     "cross_coupling": _show_coupling,
     "rig": _show_rig,
-    "share_law": _show_shares,
 }
 
 

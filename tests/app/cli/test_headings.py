@@ -50,34 +50,6 @@ def cells(table):
     return [dict(zip(headings, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-SHARES = {
-    "ratios": [
-        {
-            "f": 1.25,
-            "xi": 0.03,
-            "alpha": 0.5,
-            "threshold": 0.04,
-            "confidence": 0.9,
-            "a_ratio": 1.11,
-            "b_ratio": None,
-            "law": 1.333,
-            "a_deviation": -0.012,
-            "b_deviation": None,
-        }
-    ],
-    "fits": [
-        {
-            "f": 1.25,
-            "xi": 0.03,
-            "threshold": 0.04,
-            "a_strength": 138.9,
-            "a_largest_deviation": 0.021,
-            "b_strength": None,
-            "b_largest_deviation": None,
-            "white_noise": 142.0,
-        }
-    ],
-}
 RIG = {
     "metric": "rms",
     "stable": True,
@@ -98,30 +70,6 @@ POSTERIOR = {
     "threshold": 0.04, "metric": "rms", "ensembles": 4, "walkers": 32, "steps": 900, "accepted": 0.31,
     "converged": True, "complaints": [], "parameters": [],
 }  # fmt: skip
-
-
-def test_limits_of_shares_stand_below_their_headings(tables, capsys):
-    show_criteria({"criteria": [LIMITS], "share_law": SHARES}, details=True)
-    (output,) = (table for title, table in tables.items() if title.startswith("Limits over the share"))
-    assert cells(output) == [
-        {
-            "f [Hz]": "1.25",
-            "ξ [-]": "0.03",
-            "α [-]": "0.5",
-            "error [-]": "0.04",
-            "confidence [-]": "0.9",
-            "a over a of the largest α": "1.11",
-            "b over b of the largest α": "-",
-            "law": "1.33",
-            "a off by": "-1.2 %",
-            "b off by": "-",
-        }
-    ]
-    assert {column.justify for column in output.columns} == {"right"}
-    text = " ".join(capsys.readouterr().out.split())
-    assert "a at f = 1.25 Hz, ξ = 0.03, error 0.04: s = 139 fits best" in text
-    assert "off by 2.1 % at most; by the law s = 142" in text
-    assert "b at f" not in text
 
 
 def print_criteria(capsys, rows, posteriors=()):
