@@ -1,7 +1,6 @@
 """`derive_criteria`: how much amplitude error and delay a test may have under the coming earthquake."""
 
 import itertools
-from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Unpack
@@ -22,7 +21,6 @@ from reliab.app.api.sources import (
     select_structures,
 )
 from reliab.app.declaration import asks
-from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import refuse_unwritable, written_whole
 from reliab.core.progress import show_task
@@ -114,41 +112,25 @@ class _Question:
         needs_all = not self.asked["motions"] and (self.law != "table" or self.asked["motion"] is not None)
         return EllipseSource.from_question(self.asked, **({"f": None, "xi": None} if needs_all else {}))
 
-    def _collect(
-        self,
-        criteria: Iterable[Criterion],
-        dataset: xr.Dataset | None,
-        derivations: Sequence[Derivation] = (),
-    ) -> Criteria:
-        """Collect criteria for the structures that are asked for, or all that the ellipses are of."""
-        all_f = [ONE_HERTZ] if dataset is None else dataset["f"].values.tolist()
-        all_xi = [TWO_PERCENT] if dataset is None else dataset["xi"].values.tolist()
-        return Criteria(
-            criteria=tuple(criteria),
-            structures=tuple(itertools.product(as_list(self.f) or all_f, as_list(self.xi) or all_xi)),
-            ellipses=dataset,
-            derivations=tuple(derivations),
-        )
-
-    def derive_from_published_law(self) -> Criteria:
+    def derive_from_published_law(self) -> tuple[list[Criterion], xr.Dataset | None, list[Derivation]]:
         """Take the criterion of a printed law, with the ellipses beside which it is shown."""
         criterion = published_criterion(self.law)
         for error in self.errors or [criterion.threshold]:
             criterion.law.validity.require_error(error, self.metric)
         self._refuse_promises(criterion)
         self._refuse_idle_source()
-        return self._collect([criterion], self.source().dataset() if self.has_source else None)
+        return [criterion], self.source().dataset() if self.has_source else None, []
 
     def _refuse_promises(self, published: Criterion) -> None:
         """Refuse what a printed law does not promise."""
-        method = self.asked["method"]
+        method, chains = self.asked["method"], self.chains
+        settings = {name: self.asked[name] for name in _METHOD_OPTIONS} | {"chains": chains}
         unsupported_options = [
-            f"`confidence={share:g}`" for share in self.confidences or [] if share != published.confidence
+            *(f"`confidence={share:g}`" for share in self.confidences or [] if share != published.confidence),
+            *(["`joint`"] if self.asked["joint"] else []),
+            *([f"`method={method}`"] if method not in {None, published.method} else []),
+            *(f"`{name}={value}`" for name, value in settings.items() if value is not None),
         ]
-        unsupported_options += ["`joint`"] if self.asked["joint"] else []
-        unsupported_options += [f"`method={method}`"] if method not in {None, published.method} else []
-        settings = {name: self.asked[name] for name in _METHOD_OPTIONS} | {"chains": self.chains}
-        unsupported_options += [f"`{name}={value}`" for name, value in settings.items() if value is not None]
         if unsupported_options:
             raise InputError(
                 f"A published law is for {percent(published.confidence)}, by the quantile of each limit",
@@ -158,28 +140,28 @@ class _Question:
 
     def _refuse_idle_source(self) -> None:
         """Refuse figures without motions, and motions or their arguments that a printed law would not use."""
-        if self.figures is not None and not self.has_source:
+        options = (*_RECORD_OPTIONS, *_EARTHQUAKE_OPTIONS)
+        idle = [f"`{name}`" for name in options if self.asked[name] is not None]
+        if self.has_source:
+            if self.figures is None:
+                raise InputError(
+                    "A published law needs no motions",
+                    value=f"{self.law} with a source of ellipses",
+                    remedy="Leave the source out, or give `figures`",
+                )
+        elif self.figures is not None:
             raise InputError(
                 "`figures` needs a source of ellipses",
                 remedy="Give `motions`, `results` or `ellipses` too, real_suite for example",
             )
-        if self.has_source and self.figures is None:
-            raise InputError(
-                "A published law needs no motions",
-                value=f"{self.law} with a source of ellipses",
-                remedy="Leave the source out, or give `figures`",
-            )
-        idle = [
-            f"`{name}`" for name in (*_RECORD_OPTIONS, *_EARTHQUAKE_OPTIONS) if self.asked[name] is not None
-        ]
-        if idle and not self.has_source:
+        elif idle:
             raise InputError(
                 "A published law holds for whole records and all stiffness in the laboratory",
                 value=f"{self.law} with {', '.join(idle)}",
                 remedy="Leave these out, or derive a criterion from ellipses",
             )
 
-    def derive_from_ellipses(self) -> Criteria:
+    def derive_from_ellipses(self) -> tuple[list[Criterion], xr.Dataset | None, list[Derivation]]:
         """Derive a criterion for each share of the stiffness, error and confidence."""
         law = find_law(FITTED_LAWS, self.law)
         settings = {name: self.asked[name] for name in _METHOD_OPTIONS}
@@ -199,23 +181,23 @@ class _Question:
         self._require_one_criterion(len(shares) * len(errors) * len(confidences))
         derivations = []
         for share, error in itertools.product(shares, errors):
+            ellipses = select_share(dataset, share)
+            learned: dict[str, Any] = {
+                "method": method,
+                "law": law,
+                "threshold": error,
+                "metric": self.metric,
+            }
             with show_task(f"Learning at {error:g}") as progress:
-                derivation = Derivation.from_ellipses(
-                    select_share(dataset, share),
-                    method=method,
-                    law=law,
-                    threshold=error,
-                    metric=self.metric,
-                    chains=self.chains,
-                    progress=progress,
+                derivations.append(
+                    Derivation.from_ellipses(ellipses, **learned, chains=self.chains, progress=progress)
                 )
-            derivations.append(derivation)
-        criteria = (
+        criteria = [
             derivation.criterion(confidence, joint=self.asked["joint"])
             for derivation in derivations
             for confidence in confidences
-        )
-        return self._collect(criteria, dataset, derivations)
+        ]
+        return criteria, dataset, derivations
 
     def _population(self, method: Method) -> xr.Dataset:
         """Ellipses behind the criteria."""
@@ -280,29 +262,14 @@ class _Question:
         if self.asked["motion"] is None or self.f is None or self.xi is None:
             return {}
         source = self.source()
-        record = EllipseSource(
-            motions=self.asked["motion"],
-            f=self.f,
-            xi=self.xi,
-            threshold=source.threshold,
-            metric=source.metric,
-        )
-        ellipses = record.dataset().isel(motion=0).sel(curve=str(CurveName.INSCRIBED))
-        rows = ellipses[["a", "b"]].stack(cell=("f", "xi", "threshold", "metric"))
-        return {
-            "own_boundary": [
-                {
-                    "motion": str(ellipses["motion"].item()),
-                    **{name: float(cell[name]) for name in ("f", "xi", "threshold")},
-                    **{
-                        f"{name}{'' if side == Side.LAG else '_lead'}": float(cell[name].sel(side=str(side)))
-                        for name in ("a", "b")
-                        for side in Side
-                    },
-                }
-                for cell in (rows.isel(cell=place) for place in range(rows.sizes["cell"]))
-            ]
-        }
+        error: dict[str, Any] = {"threshold": source.threshold, "metric": source.metric}
+        record = EllipseSource(motions=self.asked["motion"], f=self.f, xi=self.xi, **error)
+        ellipses = record.dataset().isel(motion=0, metric=0).sel(curve=str(CurveName.INSCRIBED))
+        table: Any = ellipses[["a", "b"]].to_dataframe()[["a", "b"]].unstack("side")
+        endings = {str(Side.LAG): "", str(Side.LEAD): "_lead"}
+        table.columns = [f"{name}{endings[side]}" for name, side in table.columns]
+        motion = {"motion": str(ellipses["motion"].item())}
+        return {"own_boundary": [{**motion, **row} for row in table.reset_index().to_dict("records")]}
 
     def _require_one_share(self, shares: tuple[float, ...]) -> None:
         """Refuse what is of one share of the stiffness where there are several."""
@@ -327,64 +294,57 @@ class _Question:
     def answer(self) -> Criteria:
         """Derive criteria, write the file of one, and add what is asked for beside them."""
         is_printed = self.law in MANY_MOTION_LAWS
-        result = self.derive_from_published_law() if is_printed else self.derive_from_ellipses()
+        answers = self.derive_from_published_law() if is_printed else self.derive_from_ellipses()
+        criteria, dataset, derivations = answers
+        usual = {"f": [ONE_HERTZ], "xi": [TWO_PERCENT]}
+        f, xi = (
+            as_list(self.asked[name]) or (usual[name] if dataset is None else dataset[name].values.tolist())
+            for name in usual
+        )
+        result = Criteria(
+            criteria=tuple(criteria),
+            structures=tuple(itertools.product(f, xi)),
+            ellipses=dataset,
+            derivations=tuple(derivations),
+        )
         additions = self._trace_own_boundaries()
         has_converged = all(posterior["converged"] for posterior in result.posteriors)
         # Rows refuse structures for which a law is not valid.
         if result.rows and has_converged and (out := self.asked["out"]) is not None:
             rule = "Cannot write the criterion's file"
             with refuse_unwritable(rule, where=out), written_whole(out) as file:
-                file.write_text(result.criteria[0].to_json(), encoding="utf-8")
+                file.write_text(criteria[0].to_json(), encoding="utf-8")
         if self.figures is not None and (names := draw_criteria(self.figures, result)):
             additions["figures"] = names
-        additions |= {
-            **_frame(result.ellipses),
-            **self._limits_of_actuators(),
-        }
-        return replace(result, additions=additions)
+        if dataset is not None and "frame" in dataset.attrs:
+            neighbours = {name: dataset.attrs[name] for name in ("error_of", "erring_actuator")}
+            additions["frame"] = {"name": dataset.attrs["frame"], **neighbours}
+        return replace(result, additions=additions | self._limits_of_actuators())
 
     def _limits_of_actuators(self) -> dict[str, Any]:
         """Compute what the motions allow and do to the actuators that a frame's description states."""
-        structure = self.asked["structure"]
-        if structure is None:
+        if self.asked["structure"] is None:
             return {}
         from reliab.simulation.frames.frame_file import read_structure
         from reliab.sweep.frame_table import errors_of_rig, limits_of_coupling, summary_of_rig
 
-        frame, source, limits_by_key = read_structure(structure), self.source(), {}
-        suite = source.suite()
+        frame, suite = read_structure(self.asked["structure"]), self.source().suite()
         window = Window.parse(self.asked["window"] or "record")
-        threshold = (self.errors or [FIVE_PERCENT])[0]
+        results: dict[str, Any] = {}
+        threshold, share = (self.errors or [FIVE_PERCENT])[0], (self.confidences or [_NINETY_FIVE])[0]
+        error: dict[str, Any] = {"threshold": threshold, "metric": Metric(self.metric)}
         if frame.has_several and self.asked["actuator"] is None:
             with show_task("Coupling the actuators") as progress:
-                limits = limits_of_coupling(
-                    frame,
-                    suite,
-                    threshold=threshold,
-                    metric=Metric(self.metric),
-                    window=window,
-                    progress=progress,
-                )
-            limits_by_key["cross_coupling"] = _coupling(
-                limits, threshold, (self.confidences or [_NINETY_FIVE])[0]
-            )
+                limits = limits_of_coupling(frame, suite, **error, window=window, progress=progress)
+            least = np.quantile(limits, 1.0 - share, axis=0)
+            # by the actuator, and by each other one whose command alone moves it
+            rows = [
+                [None if i == j else float(value) for j, value in enumerate(row)]
+                for i, row in enumerate(least)
+            ]
+            results["cross_coupling"] = {"threshold": threshold, "share_of_motions": share, "limits": rows}
         if frame.transfer_system is not None:
             with show_task("Testing the rig") as progress:
                 errors = errors_of_rig(frame, suite, window=window, progress=progress)
-            limits_by_key["rig"] = summary_of_rig(errors, self.metric, threshold)
-        return limits_by_key
-
-
-def _frame(dataset: xr.Dataset | None) -> dict[str, Any]:
-    """Say which frame the ellipses are of, whose error counts, and which of its actuators err."""
-    if dataset is None or "frame" not in dataset.attrs:
-        return {}
-    neighbours = {name: dataset.attrs[name] for name in ("error_of", "erring_actuator")}
-    return {"frame": {"name": dataset.attrs["frame"], **neighbours}}
-
-
-def _coupling(limits: Array, threshold: float, share: float) -> dict[str, Any]:
-    """Largest coupling of each actuator (rows) with the command of each other that most motions allow."""
-    least = np.quantile(limits, 1.0 - share, axis=0)
-    rows = [[None if i == j else float(value) for j, value in enumerate(row)] for i, row in enumerate(least)]
-    return {"threshold": threshold, "share_of_motions": share, "limits": rows}
+            results["rig"] = summary_of_rig(errors, self.metric, threshold)
+        return results
