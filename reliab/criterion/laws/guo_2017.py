@@ -13,102 +13,78 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
-from reliab.criterion.laws.law import Law, Limits, Validity
+from reliab.criterion.laws.law import Law, Validity
 
-_FREQUENCIES = (0.25, 2.0)  # Table 3
-_DAMPING_RATIOS = (0.02, 0.10)  # Table 4
-_THRESHOLD = 0.05
+_ONE_FREQUENCY, _TABLE_3 = (1.0, 1.0), (0.25, 2.0)  # Hz
+_ONE_DAMPING_RATIO, _TABLE_4 = (0.02, 0.02), (0.02, 0.10)
 
 
+@dataclass(frozen=True, kw_only=True)
 class PrintedLaw(Law):
     """A law of the paper. It has d², so that it counts a lead as a lag of the same size."""
 
     counts_leads_as_lags: ClassVar[bool] = True
+    # Least and greatest frequency [Hz] and damping ratio [-] of the structures that it is of
+    frequency: ClassVar[tuple[float, float]] = _ONE_FREQUENCY
+    damping_ratio: ClassVar[tuple[float, float]] = _ONE_DAMPING_RATIO
+
+    @property
+    def validity(self) -> Validity:
+        """Where the law holds."""
+        return Validity(
+            frequency=self.frequency, damping_ratio=self.damping_ratio, threshold=0.05, metric=str(Metric.RMS)
+        )
 
 
-def _valid(frequency: tuple[float, float], damping_ratio: tuple[float, float]) -> Validity:
-    return Validity(
-        frequency=frequency, damping_ratio=damping_ratio, threshold=_THRESHOLD, metric=str(Metric.RMS)
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
 class Equation11(PrintedLaw):
     """Equation (11): KOBE/NIS000 at 1 Hz and ξ = 0.02."""
 
-    name: ClassVar[str] = "guo_2017_11"
-    equation: ClassVar[str] = "(A − 1)²/1.3e-4 + d²/2.3 ≤ 1"
+    name = "guo_2017_11"
+    equation = "(A − 1)²/1.3e-4 + d²/2.3 ≤ 1"
 
-    @property
-    def validity(self) -> Validity:
-        """One structure, one ground motion."""
-        return _valid((1.0, 1.0), (0.02, 0.02))
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del xi
-        return np.full_like(f, 1.3e-4), np.full_like(f, 2.3)  # (11)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one structure
+        return 1.3e-4, 2.3
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation12(PrintedLaw):
     """Equation (12): 95 % of 100 motions at 1 Hz and ξ = 0.02."""
 
-    name: ClassVar[str] = "guo_2017_12"
-    equation: ClassVar[str] = "(A − 1)²/5.3e-5 + d²/1.04 ≤ 1"
+    name = "guo_2017_12"
+    equation = "(A − 1)²/5.3e-5 + d²/1.04 ≤ 1"
 
-    @property
-    def validity(self) -> Validity:
-        """One structure."""
-        return _valid((1.0, 1.0), (0.02, 0.02))
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del xi
-        return np.full_like(f, 5.3e-5), np.full_like(f, 1.04)  # (12)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one structure
+        return 5.3e-5, 1.04
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation14(PrintedLaw):
     """Equations (13) and (14): KOBE/NIS000 over frequency at ξ = 0.02."""
 
-    name: ClassVar[str] = "guo_2017_14"
-    equation: ClassVar[str] = "(A − 1)²/5.8e-5 + d²/(97 e^(−3.4f)) ≤ 1"
+    name = "guo_2017_14"
+    equation = "(A − 1)²/5.8e-5 + d²/(97 e^(−3.4f)) ≤ 1"
+    frequency = _TABLE_3
 
-    @property
-    def validity(self) -> Validity:
-        """Frequencies of Table 3, one damping ratio, one ground motion."""
-        return _valid(_FREQUENCIES, (0.02, 0.02))
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del xi
-        k1, k2 = 97.0, 3.4
-        return np.full_like(f, 5.8e-5), k1 * np.exp(-k2 * f)  # (14); b by (13)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one ξ
+        return 5.8e-5, 97.0 * np.exp(-3.4 * f)  # b by (13)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation15(PrintedLaw):
     """Equation (15): 95 % of 100 motions over frequency at ξ = 0.02.
 
     Its exponential meets Table 3 at 0.25 Hz only; at 2 Hz it gives 0.0002 ms² where the table has 0.33.
     """
 
-    name: ClassVar[str] = "guo_2017_15"
-    equation: ClassVar[str] = "(A − 1)²/5.6e-5 + d²/(121.6 e^(−6.6f)) ≤ 1"
+    name = "guo_2017_15"
+    equation = "(A − 1)²/5.6e-5 + d²/(121.6 e^(−6.6f)) ≤ 1"
+    frequency = _TABLE_3
 
-    @property
-    def validity(self) -> Validity:
-        """Frequencies of Table 3, one damping ratio."""
-        return _valid(_FREQUENCIES, (0.02, 0.02))
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del xi
-        k1, k2 = 121.6, 6.6
-        return np.full_like(f, 5.6e-5), k1 * np.exp(-k2 * f)  # (15); b by (13)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one ξ
+        return 5.6e-5, 121.6 * np.exp(-6.6 * f)  # b by (13)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation17(PrintedLaw):
     """Equations (16) and (17): KOBE/NIS000 over damping at 1 Hz.
 
@@ -116,61 +92,42 @@ class Equation17(PrintedLaw):
     and its b 0.7 times that of the table.
     """
 
-    name: ClassVar[str] = "guo_2017_17"
-    equation: ClassVar[str] = "(A − 1)²/(0.046ξ) + d²/(100ξ) ≤ 1"
+    name = "guo_2017_17"
+    equation = "(A − 1)²/(0.046ξ) + d²/(100ξ) ≤ 1"
+    damping_ratio = _TABLE_4
 
-    @property
-    def validity(self) -> Validity:
-        """One frequency, damping ratios of Table 4, one ground motion."""
-        return _valid((1.0, 1.0), _DAMPING_RATIOS)
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del f
-        k3, k4 = 0.046, 100.0
-        return k3 * xi, k4 * xi  # (16a), (16b)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one frequency
+        return 0.046 * xi, 100.0 * xi  # (16a), (16b)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation18(PrintedLaw):
     """Equation (18): 95 % of 100 motions over frequency and damping.
 
     At ξ = 0.02 its a is 7.5 times that of equation (15), and its b as much as at 1 Hz.
     """
 
-    name: ClassVar[str] = "guo_2017_18"
-    equation: ClassVar[str] = "(A − 1)²/(0.021ξ) + d²/(6080ξ e^(−6.6f)) ≤ 1"
+    name = "guo_2017_18"
+    equation = "(A − 1)²/(0.021ξ) + d²/(6080ξ e^(−6.6f)) ≤ 1"
+    frequency, damping_ratio = _TABLE_3, _TABLE_4
 
-    @property
-    def validity(self) -> Validity:
-        """Frequencies of Table 3 and damping ratios of Table 4."""
-        return _valid(_FREQUENCIES, _DAMPING_RATIOS)
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        k2 = 6.6
-        return 0.021 * xi, 6080.0 * xi * np.exp(-k2 * f)  # (18)
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:
+        return 0.021 * xi, 6080.0 * xi * np.exp(-6.6 * f)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation15Corrected(PrintedLaw):
     """Equation (15) with the form that Table 3 has: b f² is nearly constant.
 
     a stays the printed 5.6e-5; 1.15 Hz² ms² is the geometric mean of b f² over Table 3.
     """
 
-    name: ClassVar[str] = "guo_2017_15_corrected"
-    equation: ClassVar[str] = "(A − 1)²/5.6e-5 + d²/(1.15/f²) ≤ 1"
+    name = "guo_2017_15_corrected"
+    equation = "(A − 1)²/5.6e-5 + d²/(1.15/f²) ≤ 1"
+    frequency = _TABLE_3
 
-    @property
-    def validity(self) -> Validity:
-        """Frequencies of Table 3, one damping ratio."""
-        return _valid(_FREQUENCIES, (0.02, 0.02))
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del xi
-        return np.full_like(f, 5.6e-5), 1.15 / f**2
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one ξ
+        return 5.6e-5, 1.15 / f**2
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation17Corrected(PrintedLaw):
     """Equation (17) with the powers that Table 4 has once its column b is read as √b.
 
@@ -179,37 +136,26 @@ class Equation17Corrected(PrintedLaw):
     record gives the powers 2.3 and 2.2; at ξ = 0.02 this law is 1.2 (a) and 1.3 (b) times as large as that.
     """
 
-    name: ClassVar[str] = "guo_2017_17_corrected"
-    equation: ClassVar[str] = "(A − 1)²/(1.39ξ^2.34) + d²/(22400ξ^2.28) ≤ 1"
+    name = "guo_2017_17_corrected"
+    equation = "(A − 1)²/(1.39ξ^2.34) + d²/(22400ξ^2.28) ≤ 1"
+    damping_ratio = _TABLE_4
 
-    @property
-    def validity(self) -> Validity:
-        """One frequency, damping ratios of Table 4, one ground motion."""
-        return _valid((1.0, 1.0), _DAMPING_RATIOS)
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        del f
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:  # noqa: ARG002 - of one frequency
         return 1.39 * xi**2.34, 22400.0 * xi**2.28
 
 
-@dataclass(frozen=True, kw_only=True)
 class Equation18Corrected(PrintedLaw):
     """Equation (18) from the corrected (15): both limits grow with (ξ/0.02)².
 
     Table 4 has powers of 2.3; 2 is on the safe side, since the law begins at the least damping.
     """
 
-    name: ClassVar[str] = "guo_2017_18_corrected"
-    equation: ClassVar[str] = "(A − 1)²/(5.6e-5 (ξ/0.02)²) + d²/(1.15 (ξ/0.02)²/f²) ≤ 1"
+    name = "guo_2017_18_corrected"
+    equation = "(A − 1)²/(5.6e-5 (ξ/0.02)²) + d²/(1.15 (ξ/0.02)²/f²) ≤ 1"
+    frequency, damping_ratio = _TABLE_3, _TABLE_4
 
-    @property
-    def validity(self) -> Validity:
-        """Frequencies of Table 3 and damping ratios of Table 4."""
-        return _valid(_FREQUENCIES, _DAMPING_RATIOS)
-
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        growth = (xi / 0.02) ** 2
-        return 5.6e-5 * growth, 1.15 * growth / f**2
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:
+        return 5.6e-5 * (xi / 0.02) ** 2, 1.15 * (xi / 0.02) ** 2 / f**2
 
 
 PUBLISHED_EQUATIONS = (Equation11, Equation12, Equation14, Equation15, Equation17, Equation18)

@@ -183,8 +183,8 @@ class Law(ABC):
         )
 
     @abstractmethod
-    def _limits(self, f: Array, xi: Array) -> Limits:
-        """Limits inside the validity; f and xi have one shape."""
+    def _limits(self, f: Array, xi: Array) -> tuple[ArrayLike, ArrayLike]:
+        """Limits inside the validity; f and xi have one shape, to which theirs can be broadcast."""
 
 
 @dataclass(frozen=True, kw_only=True)
