@@ -5,8 +5,8 @@ The paper takes the lognormal one for a and b; skew-normal: Azzalini (1985).
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Final, Self
+from dataclasses import astuple, dataclass
+from typing import Any, ClassVar, Final, Self, cast
 
 import numpy as np
 import scipy
@@ -63,22 +63,11 @@ class Distribution(ABC):
         """Value that is not exceeded with the given probability, in (0, 1)."""
 
 
-def maximise_likelihood(
-    log_likelihood: Callable[[Array], float],
-    start: Sequence[float],
-    bounds: Sequence[tuple[float, float]],
-) -> Array:
-    """Find the parameters of greatest log-likelihood within bounds."""
-    optimum = scipy.optimize.minimize(
-        lambda p: -log_likelihood(p), np.asarray(start), bounds=bounds, method="L-BFGS-B"
-    )
-    return np.asarray(optimum.x, dtype=np.float64)
-
-
-class QuantityDistribution(Distribution):
-    """A family of scipy for the quantity itself."""
+class FamilyDistribution(Distribution):
+    """A family of scipy for the natural logarithm of the quantity; its fields are scipy's parameters."""
 
     family_name: ClassVar[str]  # Name of the family in `scipy.stats`
+    of_logarithm: ClassVar[bool] = True  # Else it is one for the quantity itself
 
     @property
     def family(self) -> Any:  # noqa: ANN401 - scipy has no types
@@ -86,42 +75,54 @@ class QuantityDistribution(Distribution):
         return getattr(scipy.stats, self.family_name)
 
     @property
-    @abstractmethod
     def parameters(self) -> tuple[float, ...]:
         """Parameters in scipy's order: shapes, location, scale."""
-
-    def log_density(self, values: ArrayLike) -> Array:
-        """Natural logarithm of the density."""
-        return np.asarray(self.family.logpdf(values, *self.parameters))
-
-    def cumulative(self, values: ArrayLike) -> Array:
-        """Probability of being at most each value."""
-        return np.asarray(self.family.cdf(values, *self.parameters))
-
-    def quantile(self, probability: ArrayLike) -> Array:
-        """Value that is not exceeded with the given probability."""
-        return np.asarray(self.family.ppf(probability, *self.parameters))
-
-
-class LogarithmDistribution(QuantityDistribution):
-    """A family of scipy for the natural logarithm of the quantity."""
+        return astuple(cast("Any", self))
 
     def log_density(self, values: ArrayLike) -> Array:
         """Natural logarithm of the density of the quantity itself."""
+        if not self.of_logarithm:
+            return np.asarray(self.family.logpdf(values, *self.parameters))
         logarithms = np.log(values)
-        return super().log_density(logarithms) - logarithms
+        return np.asarray(self.family.logpdf(logarithms, *self.parameters) - logarithms)
 
     def cumulative(self, values: ArrayLike) -> Array:
         """Probability of being at most each value."""
-        return super().cumulative(np.log(values))
+        return np.asarray(self.family.cdf(np.log(values) if self.of_logarithm else values, *self.parameters))
 
     def quantile(self, probability: ArrayLike) -> Array:
         """Value that is not exceeded with the given probability."""
-        return np.exp(super().quantile(probability))
+        quantile = np.asarray(self.family.ppf(probability, *self.parameters))
+        return np.exp(quantile) if self.of_logarithm else quantile
+
+
+def _fit_shaped(
+    family: Any,  # noqa: ANN401 - scipy has no types
+    values: Array,
+    start: Sequence[float],
+    bounds: Sequence[tuple[float, float]],
+    to_shape: Callable[[float], float] = float,
+) -> tuple[float, float, float]:
+    """Fit shape, location and scale to the logarithms of values.
+
+    `start`, `bounds`: of the location and the logarithm of the scale of standardised logarithms, and of what
+    `to_shape` makes the shape of.
+    """
+    logarithms = np.log(values)
+    mean, spread = float(logarithms.mean()), float(logarithms.std())
+    z = (logarithms - mean) / spread
+    optimum = scipy.optimize.minimize(
+        lambda p: -float(family.logpdf(z, to_shape(p[2]), p[0], np.exp(p[1])).sum()),
+        np.asarray(start),
+        bounds=bounds,
+        method="L-BFGS-B",
+    )
+    location, log_scale, shape = (float(parameter) for parameter in optimum.x)
+    return float(to_shape(shape)), mean + spread * location, spread * float(np.exp(log_scale))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lognormal(LogarithmDistribution):
+class Lognormal(FamilyDistribution):
     """Normal distribution of the logarithm.
 
     >>> fitted = Lognormal.fit([1.0, 2.0, 4.0])
@@ -142,23 +143,16 @@ class Lognormal(LogarithmDistribution):
         logarithms = np.log(values)
         return cls(mu=float(logarithms.mean()), sigma=float(logarithms.std()))
 
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.mu, self.sigma
-
 
 @dataclass(frozen=True, kw_only=True)
-class ShapeScaleDistribution(QuantityDistribution):
-    """A family of scipy that begins at zero."""
+class ShapeScaleDistribution(FamilyDistribution):
+    """A family of scipy for the quantity itself, from zero."""
+
+    of_logarithm: ClassVar[bool] = False
 
     shape: float  # Shape [-]
+    location: float = 0.0
     scale: float  # Scale, in the quantity's unit
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.shape, 0.0, self.scale
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,7 +208,7 @@ _DEGREES = (1.0, 500.0)  # Cauchy to all but normal
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogStudentT(LogarithmDistribution):
+class LogStudentT(FamilyDistribution):
     """Student's t distribution of the logarithm.
 
     >>> fitted = LogStudentT(mu=0.0, sigma=1.0, degrees_of_freedom=3.0)
@@ -225,40 +219,22 @@ class LogStudentT(LogarithmDistribution):
     name: ClassVar[str] = "student_t"
     family_name: ClassVar[str] = "t"
 
+    degrees_of_freedom: float  # From 1 (Cauchy) to 500 (all but normal)
     mu: float  # mu, sigma: Location and scale of the logarithm
     sigma: float
-    degrees_of_freedom: float  # From 1 (Cauchy) to 500 (all but normal)
 
     @classmethod
     def _maximise_likelihood(cls, values: Array) -> Self:
-        logarithms = np.log(values)
-        mean, spread = logarithms.mean(), logarithms.std()
-        z = (logarithms - mean) / spread
-
-        def log_likelihood(parameters: Array) -> float:
-            location, log_scale, log_degrees = parameters
-            return float(scipy.stats.t.logpdf(z, np.exp(log_degrees), location, np.exp(log_scale)).sum())
-
-        location, log_scale, log_degrees = maximise_likelihood(
-            log_likelihood, (0.0, 0.0, np.log(10.0)), ((-3.0, 3.0), (-6.0, 2.0), tuple(np.log(_DEGREES)))
-        )
-        return cls(
-            mu=float(mean + spread * location),
-            sigma=float(spread * np.exp(log_scale)),
-            degrees_of_freedom=float(np.exp(log_degrees)),
-        )
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.degrees_of_freedom, self.mu, self.sigma
+        start, bounds = (0.0, 0.0, np.log(10.0)), ((-3.0, 3.0), (-6.0, 2.0), tuple(np.log(_DEGREES)))
+        degrees, mu, sigma = _fit_shaped(scipy.stats.t, values, start, bounds, np.exp)
+        return cls(degrees_of_freedom=degrees, mu=mu, sigma=sigma)
 
 
 _STEEPEST = 20.0  # beyond, the distribution is a half-normal to within a sample's resolution
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogSkewNormal(LogarithmDistribution):
+class LogSkewNormal(FamilyDistribution):
     """Skew-normal distribution of the logarithm, density 2/ω φ(z) Φ(αz), z = (ln x − ξ)/ω.
 
     Azzalini, A. (1985). A class of distributions which includes the normal ones. *Scandinavian
@@ -272,35 +248,17 @@ class LogSkewNormal(LogarithmDistribution):
     name: ClassVar[str] = "skew_normal"
     family_name: ClassVar[str] = "skewnorm"
 
+    shape: float  # α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above
     location: float  # location, scale: ξ and ω of the logarithm
     scale: float
-    shape: float  # α, between −20 and 20; 0 is the lognormal, a positive one has the longer tail above
 
     @classmethod
     def _maximise_likelihood(cls, values: Array) -> Self:
-        logarithms = np.log(values)
-        mean, spread = logarithms.mean(), logarithms.std()
-        z = (logarithms - mean) / spread
-
-        def log_likelihood(parameters: Array) -> float:
-            location, log_scale, shape = parameters
-            return float(scipy.stats.skewnorm.logpdf(z, shape, location, np.exp(log_scale)).sum())
-
         # α = 0 is a stationary point of the likelihood, so the search starts on the side of the skewness.
-        lean = 1.0 if scipy.stats.skew(z) >= 0.0 else -1.0
-        location, log_scale, shape = maximise_likelihood(
-            log_likelihood, (-lean, 0.4, 2.0 * lean), ((-4.0, 4.0), (-4.0, 2.0), (-_STEEPEST, _STEEPEST))
-        )
-        return cls(
-            location=float(mean + spread * location),
-            scale=float(spread * np.exp(log_scale)),
-            shape=float(shape),
-        )
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """Parameters in scipy's order."""
-        return self.shape, self.location, self.scale
+        lean = 1.0 if scipy.stats.skew(np.log(values)) >= 0.0 else -1.0
+        start, bounds = (-lean, 0.4, 2.0 * lean), ((-4.0, 4.0), (-4.0, 2.0), (-_STEEPEST, _STEEPEST))
+        shape, location, scale = _fit_shaped(scipy.stats.skewnorm, values, start, bounds)
+        return cls(shape=shape, location=location, scale=scale)
 
 
 _OUTERMOST = 40.0  # standard deviations from the outermost mean within which every quantile lies
