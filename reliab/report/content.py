@@ -24,7 +24,6 @@ from reliab.report.document import (
     Document,
     Equation,
     Figure,
-    Paragraph,
     Points,
     Remark,
     Section,
@@ -110,9 +109,9 @@ class _Writer:
 
     def _block(self, block: Block, level: int) -> dict[str, Any]:
         match block:
-            case Paragraph() | Remark():
-                kind = "paragraph" if isinstance(block, Paragraph) else "remark"
-                return {"kind": kind, "text": self._prose(block.text)}
+            case str() | tuple() | Remark():
+                kind, text = ("remark", block.text) if isinstance(block, Remark) else ("paragraph", block)
+                return {"kind": kind, "text": self._prose(text)}
             case Points():
                 return {"kind": "points", "items": [self._prose(item) for item in block.items]}
             case Equation():

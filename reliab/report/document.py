@@ -15,13 +15,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Paragraph:
-    """A paragraph."""
-
-    text: Prose  # What it says
-
-
-@dataclass(frozen=True, kw_only=True)
 class Points:
     """A list of points."""
 
@@ -116,8 +109,8 @@ class Section:
     appendix: bool = False
 
 
-Block = Paragraph | Points | Remark | Equation | Table | Figure | Section
-"""What a report is built of."""
+Block = Prose | Points | Remark | Equation | Table | Figure | Section
+"""What a report is built of; running text is a paragraph."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,7 +127,7 @@ class Document:
 
     >>> report = Document(
     ...     kind="Reliability criterion", title="Example", verdict="Nothing was tested.",
-    ...     blocks=(Section(title="Results", blocks=(Paragraph(text="None."),)),),
+    ...     blocks=(Section(title="Results", blocks=("None.",)),),
     ... )
     >>> report.sheet
     False
@@ -194,7 +187,9 @@ def _texts(blocks: Iterable[Block]) -> Iterator[Prose]:
         match block:
             case Section():
                 yield from _texts(block.blocks)
-            case Paragraph() | Remark():
+            case str() | tuple():
+                yield block
+            case Remark():
                 yield block.text
             case Points():
                 yield from block.items

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure as Drawing
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT, CurveName
 from reliab.criterion.criterion import Criterion
-from reliab.report.document import Column, Equation, Figure, Paragraph, Points, Section, Table
+from reliab.report.document import Column, Equation, Figure, Points, Section, Table
 from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import Prose, join_words, law_in_words, meaning_of_confidence, prose, window_in_words
 from reliab.report.style import (
@@ -59,13 +59,11 @@ def _simulation(experimental_fraction: float, window: str) -> Section:
     return Section(
         title="Simulated tests",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "Each test is that of a structure of natural frequency $f = omega_0 \\/ 2 pi$ and "
-                    "damping ratio $xi$ of which the share $alpha = {alpha:g}$ of the stiffness stands in "
-                    "the laboratory. Its actuator has the gain $k_p$ and the delay $tau$:",
-                    alpha=experimental_fraction,
-                )
+            prose(
+                "Each test is that of a structure of natural frequency $f = omega_0 \\/ 2 pi$ and "
+                "damping ratio $xi$ of which the share $alpha = {alpha:g}$ of the stiffness stands in "
+                "the laboratory. Its actuator has the gain $k_p$ and the delay $tau$:",
+                alpha=experimental_fraction,
             ),
             Equation(
                 math=(
@@ -74,13 +72,11 @@ def _simulation(experimental_fraction: float, window: str) -> Section:
                 ),
                 label="eq:loop",
             ),
-            Paragraph(
-                text=prose(
-                    "With $k_p = 1$ and $tau = 0$ the same loop gives the exact response $x_I$. The error "
-                    "of the whole test is the deviation of the measured displacement $x_m$ from it, over "
-                    "{length}, relative to the peak, not the RMS, of the exact response:",
-                    length=window_in_words(window),
-                )
+            prose(
+                "With $k_p = 1$ and $tau = 0$ the same loop gives the exact response $x_I$. The error "
+                "of the whole test is the deviation of the measured displacement $x_m$ from it, over "
+                "{length}, relative to the peak, not the RMS, of the exact response:",
+                length=window_in_words(window),
             ),
             Equation(
                 math=(
@@ -97,12 +93,10 @@ def _indices() -> Section:
     return Section(
         title="Indices of a test",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "After a test, the frequency-domain evaluation index @guo2014 compares the spectra of "
-                    "the command $I(t)$ and the measured displacement $O(t)$, weighted with the power of the"
-                    " command:"
-                )
+            prose(
+                "After a test, the frequency-domain evaluation index @guo2014 compares the spectra of "
+                "the command $I(t)$ and the measured displacement $O(t)$, weighted with the power of the"
+                " command:"
             ),
             Equation(
                 math=(
@@ -111,11 +105,9 @@ def _indices() -> Section:
                 ),
                 label="eq:index",
             ),
-            Paragraph(
-                text=prose(
-                    "$A$ is the amplitude that reaches the specimen relative to the command, $d$ the "
-                    "equivalent delay. For a constant gain and delay they equal $k_p$ and $tau$."
-                )
+            prose(
+                "$A$ is the amplitude that reaches the specimen relative to the command, $d$ the "
+                "equivalent delay. For a constant gain and delay they equal $k_p$ and $tau$."
             ),
         ),
     )
@@ -125,22 +117,18 @@ def _boundary(criterion: Criterion | None) -> Section:
     return Section(
         title="Boundary of a ground motion",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "For each ground motion the contour of equal error around $A = 1$, $d = 0$ is traced, "
-                    "late actuators ($d >= 0$) and early ones separately, and {ellipse}, with $d$ "
-                    "in milliseconds:",
-                    ellipse=_INSCRIBED_ELLIPSE
-                    if criterion is not None and criterion.provenance.curve == CurveName.INSCRIBED
-                    else _FITTED_ELLIPSE,
-                )
+            prose(
+                "For each ground motion the contour of equal error around $A = 1$, $d = 0$ is traced, "
+                "late actuators ($d >= 0$) and early ones separately, and {ellipse}, with $d$ "
+                "in milliseconds:",
+                ellipse=_INSCRIBED_ELLIPSE
+                if criterion is not None and criterion.provenance.curve == CurveName.INSCRIBED
+                else _FITTED_ELLIPSE,
             ),
             Equation(math="(A - 1)^2 / a + d^2 / b = 1", label="eq:ellipse"),
-            Paragraph(
-                text=prose(
-                    "Near resonance the error depends on the complex actuator error over the damping alone, "
-                    "so that $a$ grows about as $xi^2$ and $b$ as $(xi \\/ omega_0)^2$."
-                )
+            prose(
+                "Near resonance the error depends on the complex actuator error over the damping alone, "
+                "so that $a$ grows about as $xi^2$ and $b$ as $(xi \\/ omega_0)^2$."
             ),
         ),
     )
@@ -152,25 +140,21 @@ def _confidence(criterion: Criterion) -> Section:
     return Section(
         title="What the confidence means",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "The criterion uses limits of $a$ and $b$ that the stated share of the population's "
-                    "ground motions exceeds. Here ({method}, {together}) the confidence is {meaning}. "
-                    "Earthquakes, not records, are the independent units of the data.",
-                    method=criterion.method,
-                    together=joint_phrase,
-                    meaning=meaning_of_confidence(criterion.method),
-                )
+            prose(
+                "The criterion uses limits of $a$ and $b$ that the stated share of the population's "
+                "ground motions exceeds. Here ({method}, {together}) the confidence is {meaning}. "
+                "Earthquakes, not records, are the independent units of the data.",
+                method=criterion.method,
+                together=joint_phrase,
+                meaning=meaning_of_confidence(criterion.method),
             ),
-            Paragraph(
-                text=prose(
-                    (
-                        "Between the structures that were simulated, the limits follow the law “{law}”: "
-                        "{equation}."
-                    ),
-                    law=law.name,
-                    equation=law.equation,
-                )
+            prose(
+                (
+                    "Between the structures that were simulated, the limits follow the law “{law}”: "
+                    "{equation}."
+                ),
+                law=law.name,
+                equation=law.equation,
             ),
         ),
     )
@@ -290,13 +274,11 @@ def rates_section(
     )
     mark = "".join(f"-{word.lower()}" for word in re.findall(r"[A-Za-z0-9]+", division))
     division_phrase = "Whole earthquakes were held out in turn" if not division else f"Division: {division}"
-    opening = Paragraph(
-        text=prose(
-            "{explained}; the criterion was derived from other earthquakes than those on which it was "
-            "judged. A motion contains a criterion when the simulated error under it stays below the "
-            "threshold along the whole edge of the criterion. Intervals resample earthquakes @davison1997.",
-            explained=division_phrase,
-        )
+    opening = prose(
+        "{explained}; the criterion was derived from other earthquakes than those on which it was "
+        "judged. A motion contains a criterion when the simulated error under it stays below the "
+        "threshold along the whole edge of the criterion. Intervals resample earthquakes @davison1997.",
+        explained=division_phrase,
     )
     containment = measured_rates[measured_rates["measure"] == "containment"]
     return Section(

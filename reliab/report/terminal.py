@@ -8,7 +8,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
-from reliab.report.document import Block, Document, Equation, Paragraph, Points, Remark, Section, Table
+from reliab.report.document import Block, Document, Equation, Points, Remark, Section, Table
 from reliab.report.numbers import MISSING, cells, write_in_line
 from reliab.report.prose import formula, words_of
 
@@ -40,8 +40,9 @@ def print_blocks(blocks: Iterable[Block], console: Console) -> None:
                 console.print()
                 console.print(block.title, style="bold", highlight=False)
                 print_blocks(block.blocks, console)
-            case Paragraph() | Remark():
-                console.print(words_of(block.text), highlight=False)
+            case str() | tuple() | Remark():
+                text = block.text if isinstance(block, Remark) else block
+                console.print(words_of(text), highlight=False)
             case Points():
                 for item in block.items:
                     console.print(f"- {words_of(item)}", highlight=False)

@@ -14,7 +14,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Points,
     Section,
     Table,
@@ -247,10 +246,10 @@ def _probabilities(run: Mapping[str, Any]) -> Section:
     return Section(title=title, blocks=tuple(_right_of_named(row) for row in bins.to_dict("records")))
 
 
-def _right_of_named(row: Mapping[Hashable, Any]) -> Paragraph:
+def _right_of_named(row: Mapping[Hashable, Any]) -> Prose:
     """Say how many effects that were named with a probability were right."""
     share, ends = percent_and_interval(row["share"], row["low"], row["high"])
-    text = prose(
+    return prose(
         "Of {n} effects that were named with a probability of {stated} in the mean, {share} were right "
         "(95 % interval {ends}).",
         n=row["of"],
@@ -258,13 +257,12 @@ def _right_of_named(row: Mapping[Hashable, Any]) -> Paragraph:
         share=share,
         ends=ends,
     )
-    return Paragraph(text=text)
 
 
 def _failures(run: Mapping[str, Any]) -> Section:
     title = "Every campaign that was answered wrongly"
     if not run["failures"]:
-        return Section(title=title, blocks=(Paragraph(text="There was none."),))
+        return Section(title=title, blocks=("There was none.",))
     rows = [
         {
             "campaign": str(failure["campaign"]).removeprefix("campaign_"),

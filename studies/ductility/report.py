@@ -13,7 +13,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Points,
     Section,
     Table,
@@ -98,7 +97,7 @@ def _method(limits: pd.DataFrame) -> Section:
         alpha=percent(float(limits["alpha"].iloc[0])),
         threshold=percent(float(limits["threshold"].iloc[0])),
     )
-    return Section(title="What is compared", blocks=(Paragraph(text=text),))
+    return Section(title="What is compared", blocks=(text,))
 
 
 def _levels(levels: pd.DataFrame, narrowest: pd.DataFrame) -> Section:
@@ -174,7 +173,7 @@ def _describe_kinds(frame: pd.DataFrame) -> list[Prose]:
 def _limits(limits: pd.DataFrame) -> Section:
     if limits["delay_ms"].isna().all():
         text = "Too few ground motions for a limit that 95 % of them keep."
-        return Section(title="Limits that 95 % of the motions keep", blocks=(Paragraph(text=text),))
+        return Section(title="Limits that 95 % of the motions keep", blocks=(text,))
     ratios = limits.assign(
         delay=limits["delay_ms"] / limits["linear_delay_ms"],
         gain=limits["amplitude"] / limits["linear_amplitude"],

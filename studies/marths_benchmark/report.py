@@ -10,7 +10,7 @@ from reliab_studies.laboratory.wording import count_good_tests
 
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table, provenance_of
+from reliab.report.document import Column, Document, Figure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.style import apply_style, label_logarithmic, legend_below, line, name_axes, panels, plain
@@ -116,8 +116,8 @@ def _criteria(rows: Sequence[Mapping[str, Any]]) -> Section:
         Column(key="motion", heading="Motion"),
         *_columns(_SHOWN),
     )
-    text = Paragraph(
-        text="J7 to J10 compare with the undivided structure. The bay that was taken away from it is "
+    text = (
+        "J7 to J10 compare with the undivided structure. The bay that was taken away from it is "
         "idealised and differs from the frame that is tested, so that even perfect actuators do not bring "
         "these criteria to zero. What a controller adds is the difference from the value of perfect "
         "actuators; J1 to J6 and the error below distinguish controllers."
@@ -220,7 +220,7 @@ def _errors(judged: pd.DataFrame, threshold: float) -> Section:
         title="The error of each test",
         blocks=(
             spread,
-            Paragraph(text=text),
+            text,
             Table(frame=nominal, columns=columns, caption=caption, label="tab:errors"),
         ),
     )

@@ -13,7 +13,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Section,
     Table,
     provenance_of,
@@ -81,7 +80,7 @@ def _method() -> Section:
         "that learn them. Where the interval is called a 90 % interval, it is meant for such tests: the "
         "scatter that stands for what a representation misses was settled on other tests of these families."
     )
-    return Section(title="What is simulated", blocks=(Paragraph(text=text),))
+    return Section(title="What is simulated", blocks=(text,))
 
 
 def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
@@ -159,7 +158,7 @@ def _linear(tests: pd.DataFrame) -> tuple[Section, ...]:
         width=lost["width"],
         widest=lost["widest"],
     )
-    return (Section(title="What a linear specimen loses", blocks=(Paragraph(text=text),)),)
+    return (Section(title="What a linear specimen loses", blocks=(text,)),)
 
 
 _HEIGHT = 122.0

@@ -15,7 +15,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Section,
     Table,
     provenance_of,
@@ -168,7 +167,7 @@ def _report_published(published: pd.DataFrame) -> Section:
     return Section(
         title="The published table",
         blocks=(
-            Paragraph(text=text),
+            text,
             Table(frame=frame.reset_index(), columns=columns, caption=caption, label="tab:three"),
         ),
     )

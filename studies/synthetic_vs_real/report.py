@@ -18,7 +18,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Section,
     Table,
     provenance_of,
@@ -146,13 +145,11 @@ def _measures(measures: Mapping[str, pd.DataFrame]) -> Section:
     return Section(
         title="Measures of the motions",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "@fig:measures shows the suites motion by motion, @tab:measures their medians and "
-                    "spreads (standard deviation of the logarithm). The distance is the largest difference "
-                    "between two distributions (Kolmogorov–Smirnov); motions of one earthquake are alike, so"
-                    " that no p-value is given."
-                )
+            prose(
+                "@fig:measures shows the suites motion by motion, @tab:measures their medians and "
+                "spreads (standard deviation of the logarithm). The distance is the largest difference "
+                "between two distributions (Kolmogorov–Smirnov); motions of one earthquake are alike, so"
+                " that no p-value is given."
             ),
             RpFigure(
                 drawing=suite_measures(measures),

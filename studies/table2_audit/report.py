@@ -14,7 +14,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Section,
     Table,
     provenance_of,
@@ -87,15 +86,13 @@ def _disagreeing(rows: pd.DataFrame, disagreeing: pd.DataFrame) -> Section:
     return Section(
         title="Rows that disagree",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "For each row that disagrees, other time steps, shorter and longer stretches of the "
-                    "record, and the other component of the same recording are tried. A difference is named "
-                    "only when it explains $a$ and $b$ together as closely as agreeing rows agree, and when "
-                    "it would rarely ({share} at most) do so for the printed pair of another earthquake: "
-                    "with many candidates, some explain a row by chance.",
-                    share=percent(LARGEST_CHANCE),
-                )
+            prose(
+                "For each row that disagrees, other time steps, shorter and longer stretches of the "
+                "record, and the other component of the same recording are tried. A difference is named "
+                "only when it explains $a$ and $b$ together as closely as agreeing rows agree, and when "
+                "it would rarely ({share} at most) do so for the printed pair of another earthquake: "
+                "with many candidates, some explain a row by chance.",
+                share=percent(LARGEST_CHANCE),
             ),
             RpFigure(
                 drawing=table_rows(rows),

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import Column, Figure as RpFigure, Paragraph, Section, Table
+from reliab.report.document import Column, Figure as RpFigure, Section, Table
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.style import (
@@ -50,30 +50,28 @@ def rebuilt_error_section(tests: pd.DataFrame, threshold: float) -> Section:
     )
 
 
-def _opening(looks: pd.DataFrame, threshold: float) -> Paragraph:
+def _opening(looks: pd.DataFrame, threshold: float) -> Prose:
     """Say how tests were judged, and how often specimens look nonlinear."""
     nonlinear = looks.set_index("specimen")["looks_nonlinear"].drop(LINEAR)
     linear = looks.set_index(["specimen", "sensor"])["looks_nonlinear"][LINEAR, PLAIN.sensor]
-    return Paragraph(
-        text=prose(
-            "The same simulated tests, judged by the error that is rebuilt from command and measured "
-            "displacement, and by $A$ and $d$ with criteria and with the boundary of the test's own "
-            "motion. A test is good up to {threshold} of true error, which is that of the true piston "
-            "against the same loop with a perfect actuator. A criterion without limits for leads accepts "
-            "no test that leads. A verdict is “reliable” as reliab assess gives it: the error stays "
-            "below the threshold with 95 % probability, and the specimen does not look nonlinear. A motion "
-            "is contained when none of its bad tests is accepted, and an error in the interval when the "
-            "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "
-            "nonlinear specimens are recognised in {nonlinear} of their tests, and linear "
-            "ones are taken for nonlinear in {linear} of their tests, at 40 dB.",
-            threshold=percent(threshold),
-            nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
-            linear=percent(float(linear)),
-        )
+    return prose(
+        "The same simulated tests, judged by the error that is rebuilt from command and measured "
+        "displacement, and by $A$ and $d$ with criteria and with the boundary of the test's own "
+        "motion. A test is good up to {threshold} of true error, which is that of the true piston "
+        "against the same loop with a perfect actuator. A criterion without limits for leads accepts "
+        "no test that leads. A verdict is “reliable” as reliab assess gives it: the error stays "
+        "below the threshold with 95 % probability, and the specimen does not look nonlinear. A motion "
+        "is contained when none of its bad tests is accepted, and an error in the interval when the "
+        "stated 90 % interval holds it. The rebuilt error takes the structure as linear and stated; "
+        "nonlinear specimens are recognised in {nonlinear} of their tests, and linear "
+        "ones are taken for nonlinear in {linear} of their tests, at 40 dB.",
+        threshold=percent(threshold),
+        nonlinear=percent(float(nonlinear.mean())) if len(nonlinear) else "none",
+        linear=percent(float(linear)),
     )
 
 
-def _population(tests: pd.DataFrame) -> Paragraph:
+def _population(tests: pd.DataFrame) -> Prose:
     """Say of which tests the numbers on linear specimens are."""
     accepted = tests[
         (tests["specimen"] == LINEAR)
@@ -82,22 +80,20 @@ def _population(tests: pd.DataFrame) -> Paragraph:
         & (tests["judge"] == REBUILT)
     ]
     structures = accepted[["f", "xi", "alpha"]].drop_duplicates()
-    return Paragraph(
-        text=prose(
-            "The numbers on linear specimens are those of {n}: {rigs} under {motions}, "
-            "on {structures}, with true errors of {least} to {most}. They hold for tests like "
-            "these: larger errors give narrower ratios of stated to true error. Those of another series, in "
-            "a laboratory of its own, stand in datasets/rebuilt_error.",
-            n=counted(len(accepted), "test"),
-            rigs=counted(accepted["rig"].nunique(), "actuator"),
-            motions=counted(accepted["motion"].nunique(), "motion"),
-            structures=", ".join(
-                f"a structure of {f:g} Hz and {percent(xi)} damping (α = {alpha:g})"
-                for f, xi, alpha in structures.itertuples(index=False)
-            ),
-            least=percent(float(accepted["error"].min()), 2),
-            most=percent(float(accepted["error"].max()), 2),
-        )
+    return prose(
+        "The numbers on linear specimens are those of {n}: {rigs} under {motions}, "
+        "on {structures}, with true errors of {least} to {most}. They hold for tests like "
+        "these: larger errors give narrower ratios of stated to true error. Those of another series, in "
+        "a laboratory of its own, stand in datasets/rebuilt_error.",
+        n=counted(len(accepted), "test"),
+        rigs=counted(accepted["rig"].nunique(), "actuator"),
+        motions=counted(accepted["motion"].nunique(), "motion"),
+        structures=", ".join(
+            f"a structure of {f:g} Hz and {percent(xi)} damping (α = {alpha:g})"
+            for f, xi, alpha in structures.itertuples(index=False)
+        ),
+        least=percent(float(accepted["error"].min()), 2),
+        most=percent(float(accepted["error"].max()), 2),
     )
 
 

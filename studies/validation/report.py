@@ -17,7 +17,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure as RpFigure,
-    Paragraph,
     Section,
     Table,
     provenance_of,
@@ -176,14 +175,12 @@ def actuators_section(tests: pd.DataFrame) -> Section:
     return Section(
         title="Actuators that are not a constant gain and delay",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "Each test was simulated with its actuator; $A$ and $d$ were evaluated from command and "
-                    "measured displacement as a laboratory would, and the error was compared with that of a "
-                    "constant gain $A$ and delay $d$ (@fig:beyond, @tab:beyond). The delays lie below "
-                    "and above what the criterion allows and what the motion of each test tolerates, so that "
-                    "good and bad tests are accepted or refused as the criterion decides."
-                )
+            prose(
+                "Each test was simulated with its actuator; $A$ and $d$ were evaluated from command and "
+                "measured displacement as a laboratory would, and the error was compared with that of a "
+                "constant gain $A$ and delay $d$ (@fig:beyond, @tab:beyond). The delays lie below "
+                "and above what the criterion allows and what the motion of each test tolerates, so that "
+                "good and bad tests are accepted or refused as the criterion decides."
             ),
             RpFigure(
                 drawing=error_beyond_the_model(tests),
@@ -275,16 +272,14 @@ def cases_section(cases: xr.Dataset) -> Section:
     return Section(
         title="The four cases of the paper",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "The application of the paper @guo2017, simulated under {motion}: $A$ and $d$ are those "
-                    "of command and measured displacement, the index is that of equation (18), and a test "
-                    'is good while its $"RMS"^R$ is at most 5 %. The error is that over the first '
-                    "{seconds} s of the record, relative to the peak of the exact response; the last column "
-                    "gives it relative to the RMS of the exact response (@tab:cases).",
-                    motion=str(cases.attrs.get("motion", "one motion")),
-                    seconds=seconds,
-                )
+            prose(
+                "The application of the paper @guo2017, simulated under {motion}: $A$ and $d$ are those "
+                "of command and measured displacement, the index is that of equation (18), and a test "
+                'is good while its $"RMS"^R$ is at most 5 %. The error is that over the first '
+                "{seconds} s of the record, relative to the peak of the exact response; the last column "
+                "gives it relative to the RMS of the exact response (@tab:cases).",
+                motion=str(cases.attrs.get("motion", "one motion")),
+                seconds=seconds,
             ),
             _case_rows(case_table(cases), seconds),
             case_histories(cases, caption=caption, label="fig:cases"),

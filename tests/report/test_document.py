@@ -13,7 +13,6 @@ from reliab.report.document import (
     Document,
     Equation,
     Figure,
-    Paragraph,
     Section,
     Source,
     Table,
@@ -28,7 +27,7 @@ def document(*blocks, **changes):
 
 def test_a_reference_to_nothing_is_refused():
     with pytest.raises(ValueError, match="fig:missing"):
-        document(Paragraph(text=prose("See @fig:missing.")))
+        document(prose("See @fig:missing."))
 
 
 def test_a_label_is_used_once():
@@ -40,7 +39,7 @@ def test_a_label_is_used_once():
 
 def test_sources_are_numbered_as_they_are_referred_to():
     sources = tuple(Source(label=name, text=name) for name in ("one", "two", "three"))
-    report = document(Paragraph(text=prose("As in @three and @one.")), sources=sources)
+    report = document(prose("As in @three and @one."), sources=sources)
     content = json.loads(files_of(report)["document.json"])
     assert [row["label"] for row in content["sources"]] == ["three", "one"]
 

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure as Drawing
 
 from reliab.core.errors import InputError
 from reliab.report.content import files_of
-from reliab.report.document import Column, Document, Equation, Figure, Paragraph, Section, Source, Table
+from reliab.report.document import Column, Document, Equation, Figure, Section, Source, Table
 from reliab.report.numbers import Fixed
 from reliab.report.pdf import compile_report, templates, write_pdf
 from reliab.report.prose import literal, prose
@@ -46,7 +46,7 @@ def report(text="Text.", **changes):
         Column(key="value", heading="Value", unit="ms²", number=Fixed()),
     )
     blocks = (
-        Paragraph(text=prose("See @fig:one, @tab:one, @eq:one, @sec:one, @guo, {text}, $xi$.", text=text)),
+        prose("See @fig:one, @tab:one, @eq:one, @sec:one, @guo, {text}, $xi$.", text=text),
         Equation(math="(A - 1)^2 / a + d^2 / b <= 1", label="eq:one"),
         Table(frame=frame, columns=columns, caption=text, label="tab:one"),
         Figure(drawing=drawing, caption=text, label="fig:one"),

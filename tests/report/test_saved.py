@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as Drawing
 from reliab.app.cli import run
 from reliab.core.errors import InputError
 from reliab.report.content import files_of, read_content, save_content
-from reliab.report.document import Document, Equation, Figure, Paragraph
+from reliab.report.document import Document, Equation, Figure
 from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import Math, prose, require_formula
 from reliab.report.setting import ReportSetting
@@ -45,7 +45,7 @@ def sent(tmp_path, monkeypatch):
     drawing.subplots().plot([1.0, 2.0])
     drawing.savefig(tmp_path / "secret.png")
     blocks = (
-        Paragraph(text=prose("Where $xi = {xi:g}$.", xi=0.02)),
+        prose("Where $xi = {xi:g}$.", xi=0.02),
         Equation(math="a + b", label="eq:one"),
         Figure(drawing=drawing, caption="A line.", label="fig:one"),
     )

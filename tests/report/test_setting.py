@@ -11,7 +11,7 @@ from matplotlib.figure import Figure as Drawing
 
 from reliab.core.errors import InputError
 from reliab.report.content import TERMS, files_of, glossary_of
-from reliab.report.document import Column, Document, Figure, Paragraph, Section, Table
+from reliab.report.document import Column, Document, Figure, Section, Table
 from reliab.report.pdf import compile_report, templates
 from reliab.report.prose import plain_text
 from reliab.report.setting import ReportSetting
@@ -22,7 +22,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 3"><rect width="9"
 
 def report(sections=1, *, sheet=False):
     blocks = tuple(
-        Section(title=f"Section {k}", blocks=(Paragraph(text="A criterion of delays with --motions."),))
+        Section(title=f"Section {k}", blocks=("A criterion of delays with --motions.",))
         for k in range(sections)
     )
     return Document(kind="Test", title="Own title", verdict="Good.", blocks=blocks, facts={}, sheet=sheet)
@@ -61,7 +61,7 @@ def test_a_tall_figure_of_the_first_page_leaves_room_for_the_contents(height):
     """One page with facts, figure and contents, and one that holds all sections."""
     drawing = Drawing(figsize=(6.3, height))
     figure = Figure(drawing=drawing, caption="Nothing. " * 12, label="fig:one", leads=True)
-    text = Paragraph(text="A sentence of five words. " * 12)
+    text = "A sentence of five words. " * 12
     blocks = tuple(
         Section(title=f"Section {k}", blocks=(figure, text) if k == 0 else (text,)) for k in range(6)
     )

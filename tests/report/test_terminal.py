@@ -11,7 +11,6 @@ from reliab.report.document import (
     Document,
     Equation,
     Figure,
-    Paragraph,
     Points,
     Remark,
     Section,
@@ -42,7 +41,7 @@ def lines_of(show, item):
 
 def test_every_block_but_a_figure_is_printed():
     blocks = (
-        Paragraph(text=prose("Where $alpha <= 1$, see @fig:a.")),
+        prose("Where $alpha <= 1$, see @fig:a."),
         Figure(drawing=Drawing(), caption="Not shown.", label="fig:a"),
         Section(title="Inner", blocks=(Points(items=("first", prose("*second*"))), Remark(text="Look."))),
         Equation(math="a / b"),
@@ -73,7 +72,7 @@ def test_facts_stand_before_and_cited_sources_behind():
         title="T",
         verdict="V",
         facts={"Asked": "5 %", "Empty": ""},
-        blocks=(Paragraph(text=prose("As in @one.")),),
+        blocks=(prose("As in @one."),),
         sources=(Source(label="one", text="A book."), Source(label="two", text="Another.")),
     )
     assert lines_of(print_document, report) == ["Asked: 5 %", "As in [one].", "[one] A book."]

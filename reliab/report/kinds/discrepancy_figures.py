@@ -13,7 +13,7 @@ from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import readable_unit
-from reliab.report.document import Block as DocumentBlock, Figure, Paragraph
+from reliab.report.document import Block as DocumentBlock, Figure
 from reliab.report.figures.discrepancy import (
     STRETCHES,
     GapPanel,
@@ -203,11 +203,7 @@ def draw_or_skip(what: str, draw: Callable[[], Figure | None]) -> tuple[Document
         figure = draw()
     except Exception as error:  # noqa: BLE001 - whatever fails in a figure must cost the figure alone
         reason = f"{type(error).__name__}: {error}"
-        return (
-            Paragraph(
-                text=prose("The figure of {what} could not be drawn ({reason}).", what=what, reason=reason)
-            ),
-        )
+        return (prose("The figure of {what} could not be drawn ({reason}).", what=what, reason=reason),)
     return () if figure is None else (figure,)
 
 

@@ -16,7 +16,7 @@ from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
-from reliab.report.document import Block, Column, Document, Paragraph, Points, Section, Table, provenance_of
+from reliab.report.document import Block, Column, Document, Points, Section, Table, provenance_of
 from reliab.report.kinds import discrepancy_figures as figures
 from reliab.report.kinds.discrepancy_outcome import (
     SIZE,
@@ -101,7 +101,7 @@ def _shift(ratios: Mapping[str, float]) -> Section:
         a=ratios["a"],
         b=ratios["b"],
     )
-    return Section(title="What it means for the criterion", blocks=(Paragraph(text=text),))
+    return Section(title="What it means for the criterion", blocks=(text,))
 
 
 def _method(remarks: Sequence[Prose]) -> Section:
@@ -119,7 +119,7 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "irregular motion) that is explained least."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
-    blocks: list[Block] = [Paragraph(text=described)]
+    blocks: list[Block] = [described]
     if remarks:
         blocks.append(Points(items=tuple(remarks)))
     return Section(title="How it was found, and what to know", blocks=tuple(blocks))
@@ -149,7 +149,7 @@ def findings_in_words(diagnosis: Diagnosis) -> tuple[Block, ...]:
     )
 
 
-def _places(diagnosis: Diagnosis) -> Table | Paragraph:
+def _places(diagnosis: Diagnosis) -> Table | Prose:
     if diagnosis.where:
         rows = [
             {
@@ -181,7 +181,7 @@ def _places(diagnosis: Diagnosis) -> Table | Paragraph:
     open_question = (
         "The residual of the calibrated model varies with no quantity of the motion that was tried."
     )
-    return Paragraph(text=noise if diagnosis.is_explained else open_question)
+    return noise if diagnosis.is_explained else open_question
 
 
 def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Section:
@@ -193,16 +193,16 @@ def missing_effects_section(diagnosis: Diagnosis, sampled: Mapping[str, Posterio
     blocks: list[Block] = []
     if effects:
         blocks.append(_parameters(diagnosis))
-        blocks += [Paragraph(text=_sentence(effect)) for effect in effects]
+        blocks += [_sentence(effect) for effect in effects]
         blocks += _draw_posteriors(diagnosis, sampled) if sampled else ()
     blocks += [
-        Paragraph(text=_unknown(block_diagnosis.unknown))
+        _unknown(block_diagnosis.unknown)
         for block_diagnosis in diagnosis.blocks
         if block_diagnosis.unknown is not None
     ]
     if any(block_diagnosis.calibration for block_diagnosis in diagnosis.blocks):
         blocks.append(_calibration(diagnosis))
-    return Section(title="What is missing", blocks=tuple(blocks) or (Paragraph(text="Nothing."),))
+    return Section(title="What is missing", blocks=tuple(blocks) or ("Nothing.",))
 
 
 def _draw_posteriors(diagnosis: Diagnosis, sampled: Mapping[str, Posterior]) -> Iterator[Block]:
@@ -324,7 +324,7 @@ def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
     )
     caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
     table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    floors = (Paragraph(text=describe_remainder(block_diagnosis)) for block_diagnosis in diagnosis.blocks)
+    floors = (describe_remainder(block_diagnosis) for block_diagnosis in diagnosis.blocks)
     return *floors, table, _errors_by_test(diagnosis), *_candidates(diagnosis)
 
 

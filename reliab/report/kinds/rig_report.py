@@ -17,7 +17,6 @@ from reliab.report.document import (
     Block,
     Document,
     Figure,
-    Paragraph,
     Points,
     Section,
     Table,
@@ -174,7 +173,7 @@ def next_test_blocks(prediction: Prediction) -> tuple[Block, ...]:
         f"The prediction follows from {prediction.basis}."
     )
     notes = (Points(items=prediction.notes),) if prediction.notes else ()
-    return intervals, Paragraph(text=says), *notes
+    return intervals, says, *notes
 
 
 def diagnostics_blocks(prediction: Prediction) -> tuple[Block, ...]:

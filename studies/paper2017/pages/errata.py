@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from reliab.report.document import Paragraph, Points, Section
+from reliab.report.document import Points, Section
 from reliab.report.prose import Prose, prose
 
 from ..printed import CLOSE
@@ -45,9 +45,7 @@ def errata_section(numbers: pd.DataFrame) -> Section:
     return Section(
         title="Errata of the paper",
         blocks=(
-            Paragraph(
-                text="Tables and equations are numbered here as in the paper, figures as in this report."
-            ),
+            "Tables and equations are numbered here as in the paper, figures as in this report.",
             Points(items=(*_ALWAYS, *_find_slips(numbers), *slips)),
         ),
         label="sec:errata",

@@ -9,7 +9,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.criterion.scope import records_checksum
-from reliab.report.document import SOURCES, Column, Document, Paragraph, Section, Table, provenance_of
+from reliab.report.document import SOURCES, Column, Document, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, Significant, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sections import limits_section, method_section
@@ -112,16 +112,14 @@ def _numbers(numbers: pd.DataFrame) -> Section:
     return Section(
         title="All tables, figures and numbered equations",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "@tab:all lists what the paper prints with a number: as printed, as it follows from "
-                    "the tables and equations that the paper prints, and as it follows from the records. "
-                    "Differences are relative to the printed number, of the records where they give one. "
-                    "Entries without a number say how they were used. The hundred rows of Table 2 are "
-                    "listed row by row in the report of the study table2_audit, counted here by the same "
-                    "rule: a number is reproduced when it differs by at most 10 %. Slips are listed in "
-                    "@sec:errata."
-                )
+            prose(
+                "@tab:all lists what the paper prints with a number: as printed, as it follows from "
+                "the tables and equations that the paper prints, and as it follows from the records. "
+                "Differences are relative to the printed number, of the records where they give one. "
+                "Entries without a number say how they were used. The hundred rows of Table 2 are "
+                "listed row by row in the report of the study table2_audit, counted here by the same "
+                "rule: a number is reproduced when it differs by at most 10 %. Slips are listed in "
+                "@sec:errata."
             ),
             Table(
                 frame=_set(rows),
@@ -164,14 +162,12 @@ def _promise(contained: pd.DataFrame) -> Section:
     return Section(
         title="Whether the published criteria keep their promise",
         blocks=(
-            Paragraph(
-                text=prose(
-                    "A criterion that promises 95 % should lie inside the ellipses of 95 % of the motions. "
-                    "@tab:contained counts the fitted ellipses at $xi = 0.02$ that do. Equation (18) allows "
-                    "7.5 times as much $a$ as equation (15) does for the same structure and is unsafe in "
-                    "amplitude at every frequency; both allow hardly any delay above 1 Hz, where the "
-                    "structures tolerate more."
-                )
+            prose(
+                "A criterion that promises 95 % should lie inside the ellipses of 95 % of the motions. "
+                "@tab:contained counts the fitted ellipses at $xi = 0.02$ that do. Equation (18) allows "
+                "7.5 times as much $a$ as equation (15) does for the same structure and is unsafe in "
+                "amplitude at every frequency; both allow hardly any delay above 1 Hz, where the "
+                "structures tolerate more."
             ),
             Table(
                 frame=contained,

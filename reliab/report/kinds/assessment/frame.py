@@ -17,7 +17,6 @@ from reliab.report.document import (
     Block,
     Document,
     Figure,
-    Paragraph,
     Points,
     Section,
     Table,
@@ -54,9 +53,9 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
         Section(title="The error of this test", blocks=error_blocks),
         Section(title="Floors and storeys", blocks=(responses_table(assessment.responses),)),
         Section(title="What to know", blocks=(Points(items=tuple(_cautions(assessment))),)),
-        Section(title="What to improve", blocks=(Paragraph(text=improve_first(assessment.error)),)),
+        Section(title="What to improve", blocks=(improve_first(assessment.error),)),
         tracking_blocks,
-        Section(title="How it was judged", blocks=(Paragraph(text=_method(has_several=has_several)),)),
+        Section(title="How it was judged", blocks=(_method(has_several=has_several),)),
     )
     return document_of_test(
         assessment,
@@ -174,7 +173,7 @@ def _frequency_blocks(assessment: FrameAssessment, tracking: TrackingIndex) -> t
         f"without them {percent(index.remaining_rms, 2)} would remain, which no gain and delay "
         "describes: noise, friction, saturation, or a force that was fed back late."
     )
-    return (_indices(assessment, tracking), _modes(assessment), Paragraph(text=text), figure)
+    return (_indices(assessment, tracking), _modes(assessment), text, figure)
 
 
 def _indices(assessment: FrameAssessment, tracking: TrackingIndex) -> Table:

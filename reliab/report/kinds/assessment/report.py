@@ -31,7 +31,6 @@ from reliab.report.document import (
     Block,
     Document,
     Figure,
-    Paragraph,
     Points,
     Section,
     Source,
@@ -274,9 +273,9 @@ def assessment_report(
             ),
         ),
         Section(title="What to know", blocks=(Points(items=(*_cautions(assessment), *notes)),)),
-        Section(title="What to improve", blocks=(Paragraph(text=advice(assessment)),)),
+        Section(title="What to improve", blocks=(advice(assessment),)),
         Section(title="Amplitude and delay", blocks=(_numbers(assessment), _plane(assessment))),
-        Section(title="How it was judged", blocks=(Paragraph(text=_method(assessment)),)),
+        Section(title="How it was judged", blocks=(_method(assessment),)),
     ]
     return document_of_test(
         assessment,

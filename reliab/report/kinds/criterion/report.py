@@ -21,7 +21,6 @@ from reliab.report.document import (
     Column,
     Document,
     Figure,
-    Paragraph,
     Points,
     Section,
     Table,
@@ -72,15 +71,13 @@ _LONG_TABLE = 160
 def motions_section(result: ReportedCriteria) -> Section:
     """Show the motions behind the criterion and the uncertainty that remains."""
     sample, (f, xi) = result.sample, result.structure
-    opening = Paragraph(
-        text=prose(
-            "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
-            "parameters are listed in @tab:motions.",
-            n=sample.n_motions,
-            events=sample.n_events,
-            f=f,
-            xi=xi,
-        )
+    opening = prose(
+        "{n} motions of {events} earthquakes have an ellipse at {f:g} Hz and $xi = {xi:g}$; their "
+        "parameters are listed in @tab:motions.",
+        n=sample.n_motions,
+        events=sample.n_events,
+        f=f,
+        xi=xi,
     )
     figures = (_correlation(result), *_distributions(result), _predictive(result), *_forest(result))
     return Section(title="The motions behind it", blocks=(opening, *figures), label="sec:motions")

@@ -19,7 +19,7 @@ from reliab.core.significant_digits import percent, share_in_words
 from reliab.core.vocabulary import ERROR_NAMES, PERCENT, CurveName, Metric, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.population import EllipseSample, sample_of
-from reliab.report.document import Block, Column, Figure, Paragraph, Remark, Section, Table
+from reliab.report.document import Block, Column, Figure, Remark, Section, Table
 from reliab.report.figures.parameter_distributions import (
     ParameterSeries,
     ellipses_and_criterion,
@@ -125,14 +125,12 @@ def result_section(result: ReportedCriteria, population: str = "ground motions")
     main_criterion = result.criterion
     (f, xi), (a, b) = result.structure, result.limits
     blocks: list[Block] = [
-        Paragraph(
-            text=prose(
-                "Evaluate $A$ and $d$ from the command and measured displacements of the test (@eq:index). "
-                "The test is reliable in the sense of this report while its point lies inside the ellipse of"
-                " its structure (@tab:criteria, @fig:criterion). Each limit of the table holds alone: a test "
-                "without amplitude error may use the whole of the delay, and the other way round; errors in "
-                "both share the same budget."
-            )
+        prose(
+            "Evaluate $A$ and $d$ from the command and measured displacements of the test (@eq:index). "
+            "The test is reliable in the sense of this report while its point lies inside the ellipse of"
+            " its structure (@tab:criteria, @fig:criterion). Each limit of the table holds alone: a test "
+            "without amplitude error may use the whole of the delay, and the other way round; errors in "
+            "both share the same budget."
         ),
         _criteria_table(result),
         Figure(
