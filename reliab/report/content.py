@@ -19,6 +19,7 @@ from reliab.core.described_files import parse_json
 from reliab.core.files import LIMITS, decoding, folder_written_whole, ordinary
 from reliab.core.untrusted_files import resolve_within
 from reliab.report.document import (
+    BACK_MATTER,
     Block,
     Column,
     Document,
@@ -260,76 +261,8 @@ class Term(NamedTuple):
     meaning: str  # What it means
 
 
-TERMS: Final = (
-    Term(
-        "amplitude A",
-        r"amplitude",
-        "Measured over commanded displacement at the equivalent frequency; 1 for an exact actuator.",
-    ),
-    Term(
-        "assurance",
-        r"\bassurance\b",
-        "Probability that a criterion holds for at least the stated share of the population's ground "
-        "motions, although it was learned from few.",
-    ),
-    Term(
-        "boundary of equal error",
-        r"\bboundar(?:y|ies)\b",
-        "All amplitudes and delays with which the error of a test under one ground motion equals the "
-        "threshold.",
-    ),
-    Term(
-        "confidence",
-        r"\bconfidence\b",
-        "Share of the population's ground motions for which a test inside a criterion stays below the "
-        "threshold.",
-    ),
-    Term(
-        "criterion",
-        r"\bcriteri(?:on|a)\b",
-        "Ellipse of amplitude errors and delays that are accepted, for a structure and a threshold.",
-    ),
-    Term(
-        "delay d",
-        r"\bdelay",
-        "Time by which the measured displacement follows the command; negative if it leads.",
-    ),
-    Term(
-        "held-out test",
-        r"held[- ]out",
-        "A test or an earthquake that was not used to derive what is judged by it.",
-    ),
-    Term(
-        "interval",
-        r"\binterval",
-        "Range that holds the true value with the stated probability.",
-    ),
-    Term(
-        "rebuilt error",
-        r"\brebuilt\b",
-        "Error of a test, computed from its own channels.",
-    ),
-    Term(
-        prose('RMS error $"RMS"^R$, largest error $"MTE"^R$'),
-        r"RMS|MTE|[Ll]argest error",
-        "Root mean square, and largest value, of measured minus exact displacement, over the peak of the "
-        "exact displacement.",
-    ),
-    Term(
-        "share of the stiffness α",
-        r"α|share of the stiffness|experimental fraction",
-        "Share of the structure's stiffness that the specimen in the laboratory has.",
-    ),
-    Term(
-        "stability margin",
-        r"stability margin",
-        "Share of the critical delay, at which the loop becomes unstable, that is still free.",
-    ),
-    Term(
-        "window",
-        r"\bwindow\b",
-        "Part of a record over which the error is computed.",
-    ),
+TERMS: Final = tuple(
+    Term(prose(row["name"]), row["pattern"], " ".join(row["meaning"].split())) for row in BACK_MATTER["terms"]
 )
 """Words that are explained, in alphabetical order."""
 
@@ -338,6 +271,6 @@ def glossary_of(text: str) -> list[Term]:
     """Choose the words that a report uses.
 
     >>> [term.name for term in glossary_of("The stability margin of a held-out test")]
-    ['held-out test', 'stability margin']
+    [('held-out test',), ('stability margin',)]
     """
     return [term for term in TERMS if re.search(term.pattern, text)]

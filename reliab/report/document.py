@@ -1,8 +1,10 @@
 """A report as an object: what it says in which order, and the literature it refers to."""
 
+import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 from reliab.criterion.scope import Provenance, read_versions
@@ -121,6 +123,15 @@ class Source:
     text: str  # Authors, year, title and place
 
 
+BACK_MATTER: Final = tomllib.loads(Path(__file__).with_name("back_matter.toml").read_text(encoding="utf-8"))
+"""Literature and words that stand at the end of a report which uses them."""
+
+SOURCES: Final = tuple(
+    Source(label=label, text=" ".join(text.split())) for label, text in BACK_MATTER["sources"].items()
+)
+"""The literature of the reports that ship."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Document:
     """A report; a label that is used twice or names nothing, or a second leading figure, is a ValueError.
@@ -143,7 +154,7 @@ class Document:
     facts: Mapping[str, Prose] = field(default_factory=dict)
     # Versions, checksums and settings from which it can be made again
     provenance: Mapping[str, str] = field(default_factory=dict)
-    sources: tuple[Source, ...] = ()  # The references; those that are not referred to are left out
+    sources: tuple[Source, ...] = SOURCES  # The references; those that are not referred to are left out
     sheet: bool = False  # Whether it is a sheet of a page or two, without a title page and contents
 
     def __post_init__(self) -> None:
@@ -228,67 +239,3 @@ def _line(value: object) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(_line(item) for item in value)
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-SOURCES: Final = (
-    Source(
-        label="guo2017",
-        text=(
-            "Guo and others (2017). Reliability assessment of real-time hybrid simulation under worst-case "
-            "scenarios using frequency-domain evaluation indices. Published online 13 February 2017."
-        ),
-    ),
-    Source(
-        label="guo2014",
-        text=(
-            "Guo, T., Chen, C., Xu, W. and Sanchez, F. (2014). A frequency response analysis approach for "
-            "quantitative assessment of actuator tracking for real-time hybrid simulation. "
-            "Smart Materials and Structures 23(4), 045042."
-        ),
-    ),
-    Source(
-        label="ferguson1973",
-        text=(
-            "Ferguson, T. S. (1973). A Bayesian analysis of some nonparametric problems. "
-            "Annals of Statistics 1(2), 209–230."
-        ),
-    ),
-    Source(
-        label="gelman2013",
-        text="Gelman, A. and others (2013). Bayesian data analysis, third edition, section 3.3.",
-    ),
-    Source(
-        label="searle1992",
-        text="Searle, S. R., Casella, G. and McCulloch, C. E. (1992). Variance components, section 3.6.",
-    ),
-    Source(
-        label="davison1997",
-        text=(
-            "Davison, A. C. and Hinkley, D. V. (1997). Bootstrap methods and their application, section 3.8."
-        ),
-    ),
-    Source(
-        label="odeh1980",
-        text=(
-            "Odeh, R. E. and Owen, D. B. (1980). Tables for normal tolerance limits, sampling plans, and "
-            "screening."
-        ),
-    ),
-    Source(
-        label="dabaghi2018",
-        text=(
-            "Dabaghi, M. and Der Kiureghian, A. (2018). Simulation of orthogonal horizontal components of "
-            "near-fault ground motion for specified earthquake source and site characteristics. "
-            "Earthquake Engineering and Structural Dynamics 47(6), 1369–1393."
-        ),
-    ),
-    Source(
-        label="wallace2005",
-        text=(
-            "Wallace, M. I., Sieber, J., Neild, S. A., Wagg, D. J. and Krauskopf, B. (2005). Stability "
-            "analysis of real-time dynamic substructuring using delay differential equation models. "
-            "Earthquake Engineering and Structural Dynamics 34(15), 1817–1832."
-        ),
-    ),
-)
-"""Every source by its label; a report lists those that it refers to."""

@@ -13,7 +13,6 @@ from scipy.stats import ks_2samp
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import (
-    SOURCES,
     Block,
     Column,
     Document,
@@ -85,7 +84,6 @@ def suites_report(
         },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),
-        sources=SOURCES,
     )
 
 

@@ -10,7 +10,6 @@ from reliab_studies.paper2017.printed import CLOSE
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import (
-    SOURCES,
     Column,
     Document,
     Figure as RpFigure,
@@ -78,7 +77,6 @@ def table_audit_report(
             _list_rows(rows),
         ),
         provenance=provenance_of(provenance),
-        sources=SOURCES,
     )
 
 

@@ -12,7 +12,6 @@ from reliab_studies.paper2017.pages.displacement_histories import case_histories
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import (
-    SOURCES,
     Block,
     Column,
     Document,
@@ -94,7 +93,6 @@ def validation_report(
         },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance),
-        sources=SOURCES,
     )
 
 

@@ -9,7 +9,7 @@ from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.criterion.scope import records_checksum
-from reliab.report.document import SOURCES, Column, Document, Section, Table, provenance_of
+from reliab.report.document import Column, Document, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, Significant, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.sections import limits_section, method_section
@@ -69,7 +69,6 @@ def paper_report(
             method_section(None, experimental_fraction=fraction, window=window),
         ),
         provenance=provenance_of({**provenance, "records, SHA-256": records_checksum(ellipses)}),
-        sources=SOURCES,
     )
 
 

@@ -13,7 +13,6 @@ from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import (
-    SOURCES,
     Block,
     Document,
     Figure,
@@ -62,7 +61,6 @@ def frame_assessment_report(assessment: FrameAssessment, *, provenance: Mapping[
         sections,
         facts=_facts(assessment),
         provenance=provenance_of(provenance, *([] if criterion is None else [criterion.provenance])),
-        sources=() if has_several else SOURCES,
     )
 
 

@@ -27,13 +27,11 @@ from reliab.core.significant_digits import (
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.recordings.recording import Recording
 from reliab.report.document import (
-    SOURCES,
     Block,
     Document,
     Figure,
     Points,
     Section,
-    Source,
     Table,
     provenance_of,
     text_table,
@@ -57,7 +55,6 @@ def document_of_test(
     facts: Mapping[str, Prose],
     provenance: Mapping[str, str],
     title: str = "",
-    sources: tuple[Source, ...] = SOURCES,
 ) -> Document:
     """Head the blocks about a test with its verdict and with what was asked."""
     recording = assessment.recording
@@ -70,7 +67,6 @@ def document_of_test(
         facts={"Test": test, **facts},
         blocks=blocks,
         provenance=provenance,
-        sources=sources,
         sheet=True,
     )
 

@@ -16,7 +16,6 @@ from reliab.criterion.distributions import Lognormal, LogSkewNormal
 from reliab.criterion.motion_predictive import event_components
 from reliab.criterion.population import EllipseSample
 from reliab.report.document import (
-    SOURCES,
     Block,
     Column,
     Document,
@@ -312,7 +311,6 @@ def criterion_report(
         },
         blocks=tuple(blocks),
         provenance=provenance_of(provenance, criterion.provenance),
-        sources=SOURCES,
     )
 
 
