@@ -14,10 +14,8 @@ from reliab.report.kinds.criterion.result import ReportedCriteria, result_sectio
 from reliab.report.sections import (
     _FITTED_ELLIPSE,
     _INSCRIBED_ELLIPSE,
-    _assumptions,
-    _boundary,
-    _confidence,
     limits_section,
+    method_section,
     rates_section,
 )
 
@@ -106,20 +104,24 @@ def criterion(ellipses_of):
     return derive_criterion(ellipses_of((1.0,), (0.02,)), method=method_of("dirichlet"), joint=True)
 
 
+def method_in_words(criterion, fraction=1.0):
+    return words(method_section(criterion, experimental_fraction=fraction, window="record").blocks)
+
+
 @pytest.mark.parametrize("curve", ["inscribed", "ellipse"])
 def test_the_boundary_names_its_curve(criterion, curve):
     provenance = dataclasses.replace(criterion.provenance, curve=curve)
     arguments = dataclasses.replace(criterion, provenance=provenance)
-    sentences = words(_boundary(arguments).blocks)
+    sentences = method_in_words(arguments)
     reference, second = (_INSCRIBED_ELLIPSE, _FITTED_ELLIPSE)[:: 1 if curve == "inscribed" else -1]
     assert reference in sentences
     assert second not in sentences
-    assert _FITTED_ELLIPSE in words(_boundary(None).blocks)
+    assert _FITTED_ELLIPSE in method_in_words(None)
 
 
 @pytest.mark.parametrize("joint", [True, False])
 def test_the_confidence_names_its_scope(criterion, joint):
-    sentences = words(_confidence(dataclasses.replace(criterion, joint=joint)).blocks)
+    sentences = method_in_words(dataclasses.replace(criterion, joint=joint))
     assert ("for both together" in sentences) is joint
     assert ("for each of them separately" in sentences) is not joint
 
@@ -128,7 +130,7 @@ def test_the_confidence_names_its_scope(criterion, joint):
     ("fraction", "sentence"), [(1.0, "All stiffness stands"), (0.4, "does not hold for a larger")]
 )
 def test_the_share_in_the_laboratory_is_told(fraction, sentence):
-    sentences = words(_assumptions(fraction).blocks)
+    sentences = method_in_words(None, fraction)
     assert sentence in sentences
     assert ("40" in sentences) is (fraction == 0.4)
     assert "constant gain and a constant delay" in sentences
