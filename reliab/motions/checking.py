@@ -15,13 +15,7 @@ from reliab.core.significant_digits import significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.catalogue import CATALOGUE, RecordFile
 from reliab.motions.faults import MotionFault, Report
-from reliab.motions.loading import (
-    BUILT_IN,
-    declare,
-    list_skipped_files,
-    load_motions,
-    scan,
-)
+from reliab.motions.loading import BUILT_IN, declare, list_skipped_files, load_motions, scan
 from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration
 from reliab.motions.readers.source import is_file, is_folder
 

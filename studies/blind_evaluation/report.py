@@ -10,15 +10,7 @@ from matplotlib.figure import Figure
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.effects.registry import library
-from reliab.report.document import (
-    Column,
-    Document,
-    Figure as RpFigure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Column, Document, Figure as RpFigure, Points, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose, spell_out
 from reliab.report.style import BLUE, GREY, INK, apply_style, blank, name_axes, panels, plain

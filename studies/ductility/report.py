@@ -9,15 +9,7 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Column,
-    Document,
-    Figure as RpFigure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Column, Document, Figure as RpFigure, Points, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, WholeNumber
 from reliab.report.prose import Prose, prose, values
 from reliab.report.style import (

@@ -8,15 +8,7 @@ from matplotlib.figure import Figure
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Block,
-    Column,
-    Document,
-    Figure as RpFigure,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose
 from reliab.report.style import GREY, apply_style, legend_below, line, name_axes, panels, plain

@@ -16,14 +16,7 @@ from .many_motions import (
     table_2,
     table_3,
 )
-from .one_motion import (
-    definitions,
-    equation_14,
-    equations_16_17,
-    figures_2_to_9,
-    table_1,
-    table_4,
-)
+from .one_motion import definitions, equation_14, equations_16_17, figures_2_to_9, table_1, table_4
 from .printed import Item, PrintedTables
 from .records import Records
 from .text import numbers_of_text

@@ -32,13 +32,7 @@ from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import response_error
 from reliab.tracking.indices.tracking import frequency_evaluation
 
-from .printed import (
-    FIVE_PERCENT,
-    FRAME_STIFFNESS,
-    RATE_HZ,
-    SPECIMEN_STIFFNESS,
-    PrintedTables,
-)
+from .printed import FIVE_PERCENT, FRAME_STIFFNESS, RATE_HZ, SPECIMEN_STIFFNESS, PrintedTables
 
 DELAY_STEPS = 4
 """Steps by which the actuator is late; not printed, but in Table 6 d is this less α_es, in steps."""

@@ -10,15 +10,7 @@ from reliab_studies.laboratory.wording import count_good_tests
 
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Block,
-    Column,
-    Document,
-    Figure as RpFigure,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, WholeNumber
 from reliab.report.prose import Prose, prose, spell_out
 from reliab.report.style import apply_style, label_logarithmic, legend_below, line, name_axes, panels, plain

@@ -12,15 +12,7 @@ from scipy.stats import ks_2samp
 
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Block,
-    Column,
-    Document,
-    Figure as RpFigure,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, Significant
 from reliab.report.prose import Prose, join_words, prose
 from reliab.report.sections import limits_section, method_section, rates_section

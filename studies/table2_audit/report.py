@@ -9,14 +9,7 @@ from reliab_studies.paper2017.printed import CLOSE
 
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Column,
-    Document,
-    Figure as RpFigure,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Column, Document, Figure as RpFigure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import prose
 from reliab.report.sections import limits_section, method_section

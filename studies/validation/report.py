@@ -11,15 +11,7 @@ from reliab_studies.paper2017.pages.displacement_histories import case_histories
 
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.document import (
-    Block,
-    Column,
-    Document,
-    Figure as RpFigure,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
 from reliab.report.numbers import Fixed, Shortest, WholeNumber
 from reliab.report.prose import Prose, law_in_words, prose
 from reliab.report.sections import limits_section, method_section, rates_section

@@ -8,15 +8,7 @@ import pytest
 from matplotlib.figure import Figure as Drawing
 
 from reliab.report.content import files_of
-from reliab.report.document import (
-    Column,
-    Document,
-    Equation,
-    Figure,
-    Section,
-    Source,
-    Table,
-)
+from reliab.report.document import Column, Document, Equation, Figure, Section, Source, Table
 from reliab.report.numbers import Fixed, Scientific, Significant, WholeNumber
 from reliab.report.prose import prose
 

@@ -11,15 +11,7 @@ import typer
 from reliab.app import options, questions
 from reliab.app.api.arguments import refuse_stated
 from reliab.app.cli.commands import Request, files_of, takes
-from reliab.app.cli.output import (
-    console,
-    progress_bar,
-    say,
-    say_briefly,
-    show_rows,
-    show_table,
-    write_json,
-)
+from reliab.app.cli.output import console, progress_bar, say, say_briefly, show_rows, show_table, write_json
 from reliab.app.declaration import group
 from reliab.app.options import OUTPUT
 from reliab.core.errors import InputError

@@ -13,16 +13,7 @@ from reliab.assessment.verdict import probability_text
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
-from reliab.report.document import (
-    Block,
-    Document,
-    Figure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-    text_table,
-)
+from reliab.report.document import Block, Document, Figure, Points, Section, Table, provenance_of, text_table
 from reliab.report.numbers import Significant, write_in_line
 from reliab.report.prose import Prose, prose
 from reliab.report.style import BLUE, GREY, INK, PALE, VERMILION, apply_style, legend_below, letters, panels

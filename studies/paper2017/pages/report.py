@@ -19,13 +19,7 @@ from ..audit import items_of, tabulate
 from ..printed import EXAMPLE, PrintedTables
 from ..records import LAWS, Records, containment
 from .errata import count, errata_section, find_agreeing_rows, name_row_numbers
-from .figures import (
-    boundary_section,
-    cases_section,
-    loop_section,
-    motions_section,
-    structures_section,
-)
+from .figures import boundary_section, cases_section, loop_section, motions_section, structures_section
 
 _SHORT = {"^Equation": "Eq.", "^Figure": "Fig.", "^Text.*": "Text"}
 _UNITS = {"1": "-", "ms2": "ms²", "ms4": "ms⁴", "N m2": "N m²"}

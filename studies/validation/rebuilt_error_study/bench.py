@@ -20,24 +20,8 @@ from reliab.tracking.indices.response_error import response_error
 
 from ..beyond_the_model import Rig
 from .design import Design
-from .judges import (
-    WITH_MODEL,
-    ByIndices,
-    Judgement,
-    judge_by_rebuilt_error,
-    judge_by_verdict,
-)
-from .rigs import (
-    CONDITIONS,
-    LINEAR,
-    PLAIN,
-    RIGHT,
-    RIGS,
-    SPECIMENS,
-    Condition,
-    NonlinearSpecimen,
-    Scales,
-)
+from .judges import WITH_MODEL, ByIndices, Judgement, judge_by_rebuilt_error, judge_by_verdict
+from .rigs import CONDITIONS, LINEAR, PLAIN, RIGHT, RIGS, SPECIMENS, Condition, NonlinearSpecimen, Scales
 
 RATE_HZ: Final = 512.0
 LONGEST: Final = 40.0

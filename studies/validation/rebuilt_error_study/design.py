@@ -14,9 +14,7 @@ from reliab.structures.structure import Structure
 from reliab.sweep.ellipse_dataset import open_ellipses
 from reliab.validation.folds import earthquakes_among
 
-from .judges import (
-    Question,
-)
+from .judges import Question
 
 
 @dataclass(frozen=True, kw_only=True)

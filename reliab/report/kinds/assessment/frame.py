@@ -12,16 +12,7 @@ from reliab.assessment.tracking_index import LEVEL, TrackingIndex
 from reliab.assessment.verdict import probability_text
 from reliab.core.significant_digits import percent, share_in_words, significant, value_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
-from reliab.report.document import (
-    Block,
-    Document,
-    Figure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-    text_table,
-)
+from reliab.report.document import Block, Document, Figure, Points, Section, Table, provenance_of, text_table
 from reliab.report.kinds.assessment.report import (
     budget_table,
     decimals_of_error,

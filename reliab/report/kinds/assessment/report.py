@@ -26,16 +26,7 @@ from reliab.core.significant_digits import (
 )
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, PERCENT, Metric
 from reliab.recordings.recording import Recording
-from reliab.report.document import (
-    Block,
-    Document,
-    Figure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-    text_table,
-)
+from reliab.report.document import Block, Document, Figure, Points, Section, Table, provenance_of, text_table
 from reliab.report.figures.measured_test import error_over_time, tracking_overview
 from reliab.report.numbers import MISSING, Fixed, Significant, WrittenNumber, write_in_line
 from reliab.report.prose import Prose, meaning_of_confidence, prose, replace_arguments_by_options, spell_out

@@ -15,16 +15,7 @@ from reliab.criterion.criterion import Criterion
 from reliab.criterion.distributions import Lognormal, LogSkewNormal
 from reliab.criterion.motion_predictive import event_components
 from reliab.criterion.population import EllipseSample
-from reliab.report.document import (
-    Block,
-    Column,
-    Document,
-    Figure,
-    Points,
-    Section,
-    Table,
-    provenance_of,
-)
+from reliab.report.document import Block, Column, Document, Figure, Points, Section, Table, provenance_of
 from reliab.report.figures.parameter_distributions import (
     parameter_correlation,
     parameter_distributions,
