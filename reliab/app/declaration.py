@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from inspect import Parameter, Signature, cleandoc, signature
 from pathlib import Path
-from typing import Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Final, ForwardRef, TypeVar, Union, get_args, get_origin
 
 from reliab.core.files import require_ending
 from reliab.core.progress import Progress
@@ -223,6 +223,16 @@ def group(question: type[_Question]) -> type[_Question]:
     for name, help_ in lines or [(list(options)[-1], text)]:
         options[name].help = " ".join(help_.split())
     return question
+
+
+def single(name: str, kind: Any, option: Option, help_: str) -> type:  # noqa: ANN401 - a type
+    """Declare a question of one argument.
+
+    >>> collect_options(single("rig", str, argument("RIG"), "Folder of the rig."))["rig"][1].help
+    'Folder of the rig.'
+    """
+    option.help = help_
+    return type(name, (), {"__annotations__": {name: Annotated[kind, option]}})
 
 
 def collect_options(*questions: type) -> dict[str, tuple[Any, Option]]:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypedDict
 
 from reliab.app import declaration
-from reliab.app.declaration import Files, Panel, Quantities, Quantity, argument, group
+from reliab.app.declaration import Files, Panel, Quantities, Quantity, argument, group, single
 from reliab.core.stated_value import Names, Numbers
 
 if TYPE_CHECKING:
@@ -314,11 +314,22 @@ class CovariatesOption(TypedDict, total=False):
     covariate: Annotated[Iterable[str] | None, TEST.advanced("NAME=NUMBER...")]
 
 
-@group
-class Json(TypedDict, total=False):
-    """Write JSON to a file; - prints only JSON to standard output."""
-
-    json_target: Annotated[str | None, OUTPUT.option("FILE|-", names=("--json",))]
+JSON = single(
+    "json_target",
+    str | None,
+    OUTPUT.option("FILE|-", names=("--json",)),
+    "Write JSON to a file; - prints only JSON to standard output.",
+)
+LISTING = single("list_all", bool, OUTPUT.flag(names=("--list",)), "List what ships and can be chosen.")
+CHECK = single("check", bool, OUTPUT.flag(), "Exit with code 1 unless the test is reliable.")
+DETAILS = single("details", bool, OUTPUT.flag(), "Print all results, not only the most important ones.")
+CHART = single(
+    "figure",
+    Path | None,
+    OUTPUT.option("FILE.svg|png|pdf", endings=(".svg", ".png", ".pdf")),
+    "Draw the answer as a chart.",
+)
+FOLDER = single("out", Path | None, OUTPUT.option("DIR"), "Folder for report and results.")
 
 
 @group
@@ -337,41 +348,6 @@ class Cover(TypedDict, total=False):
     paper: Annotated[str, COVER.advanced("a4|letter", default="a4", completion=declaration.papers)]
     laboratory: Annotated[str | None, COVER.advanced("NAME")]
     logo: Annotated[str | Path | None, COVER.advanced("FILE.svg|png|jpg")]
-
-
-@group
-class Listing(TypedDict, total=False):
-    """List what ships and can be chosen."""
-
-    list_all: Annotated[bool, OUTPUT.flag(names=("--list",))]
-
-
-@group
-class Check(TypedDict, total=False):
-    """Exit with code 1 unless the test is reliable."""
-
-    check: Annotated[bool, OUTPUT.flag()]
-
-
-@group
-class Details(TypedDict, total=False):
-    """Print all results, not only the most important ones."""
-
-    details: Annotated[bool, OUTPUT.flag()]
-
-
-@group
-class Chart(TypedDict, total=False):
-    """Draw the answer as a chart."""
-
-    figure: Annotated[Path | None, OUTPUT.option("FILE.svg|png|pdf", endings=(".svg", ".png", ".pdf"))]
-
-
-@group
-class Folder(TypedDict, total=False):
-    """Folder for report and results."""
-
-    out: Annotated[Path | None, OUTPUT.option("DIR")]
 
 
 @group

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 from reliab.app import declaration
-from reliab.app.declaration import Files, Quantity, argument, collect_options, group
+from reliab.app.declaration import Files, Quantity, argument, collect_options, group, single
 from reliab.app.options import (
     FILE,
     GOOD,
@@ -369,78 +369,40 @@ class ExplorerQuestion(OneStructure, EllipseFile, Threshold, ErrorMetric, Confid
     out: Annotated[str | Path, OUTPUT.option("FILE.html", default=Path("criterion.html"), endings=(".html",))]
 
 
-@group
-class MotionSources(TypedDict, total=False):
-    """Files, folders or a built-in suite (synthetic)."""
-
-    sources: Annotated[Files, argument("SOURCE...")]
-
-
-@group
-class NewSuite(TypedDict, total=False):
-    """New or empty folder for the suite."""
-
-    out: Annotated[Path, OUTPUT.option("FOLDER", is_required=True)]
-
-
-@group
-class NewStore(TypedDict, total=False):
-    """The Zarr store to write."""
-
-    out: Annotated[Path, OUTPUT.option("STORE", is_required=True)]
-
-
-@group
-class CalibrationFile(TypedDict, total=False):
-    """A test made to calibrate channels.
-
-    test: Test in which both channels record one motion: a sine, a sweep, or steps with pauses, without a
-        specimen.
-    """
-
-    test: Annotated[Path, argument("FILE")]
-
-
-@group
-class RigArgument(TypedDict, total=False):
-    """Folder of the rig."""
-
-    rig: Annotated[Path, argument("RIG")]
-
-
-@group
-class NewTests(RigArgument, total=False):
-    """Tests, in any format that `reliab assess` reads."""
-
-    tests: Annotated[list[Path], argument("FILE...")]
-
-
-@group
-class KeptTest(RigArgument, total=False):
-    """Name of the test, or first digits of its checksum."""
-
-    test: Annotated[str, argument("TEST")]
-
-
-@group
-class KeptTests(RigArgument, total=False):
-    """Names, or first digits of checksums."""
-
-    tests: Annotated[Names, argument("TEST...")]
-
-
-@group
-class RigTableArguments(RigArgument, total=False):
-    """The table as CSV."""
-
-    out: Annotated[Path, OUTPUT.option("FILE.csv", is_required=True, endings=(".csv",))]
-
-
-@group
-class RigPdfArguments(RigArgument, total=False):
-    """The report."""
-
-    out: Annotated[Path, OUTPUT.option("FILE.pdf", is_required=True, endings=(".pdf",))]
+MOTION_SOURCES = single(
+    "sources", Files, argument("SOURCE..."), "Files, folders or a built-in suite (synthetic)."
+)
+NEW_SUITE = single(
+    "out", Path, OUTPUT.option("FOLDER", is_required=True), "New or empty folder for the suite."
+)
+NEW_STORE = single("out", Path, OUTPUT.option("STORE", is_required=True), "The Zarr store to write.")
+CALIBRATION_TEST = single(
+    "test",
+    Path,
+    argument("FILE"),
+    "Test in which both channels record one motion: a sine, a sweep, or steps with pauses, without a "
+    "specimen.",
+)
+RIG = single("rig", Path, argument("RIG"), "Folder of the rig.")
+NEW_TESTS = single(
+    "tests", list[Path], argument("FILE..."), "Tests, in any format that `reliab assess` reads."
+)
+KEPT_TEST = single("test", str, argument("TEST"), "Name of the test, or first digits of its checksum.")
+KEPT_TESTS = single("tests", Names, argument("TEST..."), "Names, or first digits of checksums.")
+RIG_TABLE = single(
+    "out", Path, OUTPUT.option("FILE.csv", is_required=True, endings=(".csv",)), "The table as CSV."
+)
+RIG_PDF = single("out", Path, OUTPUT.option("FILE.pdf", is_required=True, endings=(".pdf",)), "The report.")
+RUN_FOLDER = single("folder", Path, argument("DIR"), "Run folder that `reliab run` wrote.")
+LISTED_DATA = single(
+    "source", str, argument("FILE|https://…"), "The file in the project's sources, or its https address."
+)
+SAMPLE_FOLDER = single(
+    "folder",
+    Path,
+    argument("[FOLDER]", default=Path("datasets")),
+    "Folder for the samples; `datasets` by default.",
+)
 
 
 @group
@@ -452,27 +414,6 @@ class StudyArgument(MotionSource, total=False):
     """
 
     study: Annotated[str, argument("[STUDY]", default="quick", completion=declaration.studies)]
-
-
-@group
-class RunArgument(TypedDict, total=False):
-    """Run folder that `reliab run` wrote."""
-
-    folder: Annotated[Path, argument("DIR")]
-
-
-@group
-class ListedData(TypedDict, total=False):
-    """The file in the project's sources, or its https address."""
-
-    source: Annotated[str, argument("FILE|https://…")]
-
-
-@group
-class SampleFolder(TypedDict, total=False):
-    """Folder for the samples; `datasets` by default."""
-
-    folder: Annotated[Path, argument("[FOLDER]", default=Path("datasets"))]
 
 
 def select_stated(question: type, request: Mapping[str, Any]) -> dict[str, Any]:

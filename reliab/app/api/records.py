@@ -138,7 +138,7 @@ def check_records(sources: list[Path]) -> dict[str, list[str]]:
     return {str(path): check_record(path) for path in sources}
 
 
-@asks(questions.CalibrationQuestion, questions.CalibrationFile)
+@asks(questions.CalibrationQuestion, questions.CALIBRATION_TEST)
 def calibrate(
     test: str | Path | pd.DataFrame, **options: Unpack[questions.CalibrationQuestion]
 ) -> ChannelCalibration:

@@ -75,7 +75,7 @@ class RigList(ResultWithRows):
     table: RigTable
 
 
-@asks(questions.RigArgument)
+@asks(questions.RIG)
 def list_rig(rig: str | Path) -> RigList:
     """List the tests of a rig in the order of their dates.
 
@@ -88,7 +88,7 @@ def list_rig(rig: str | Path) -> RigList:
     return RigList(rig=folder.path, table=folder.table())
 
 
-@asks(questions.KeptTest)
+@asks(questions.RIG, questions.KEPT_TEST)
 def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     """Return all that is kept of a test.
 
@@ -108,7 +108,7 @@ def show_rig_test(rig: str | Path, test: str) -> dict[str, Any]:
     return {**content, "record": str(folder.record_path(sha256))}
 
 
-@asks(questions.KeptTests)
+@asks(questions.RIG, questions.KEPT_TESTS)
 def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, ...]:
     """Remove tests from a rig.
 
@@ -130,7 +130,7 @@ def remove_from_rig(rig: str | Path, tests: str | Iterable[str]) -> tuple[str, .
     return tuple(row["name"] for row in rows)
 
 
-@asks(questions.RigTableArguments)
+@asks(questions.RIG, questions.RIG_TABLE)
 def export_rig(rig: str | Path, out: str | Path) -> int:
     """Write the table of a rig as CSV.
 
@@ -170,7 +170,7 @@ class AddedTests(PlainResult):
     tests: int  # In the rig now
 
 
-@asks(questions.AddedTestQuestion, questions.NewTests, as_stated=True)
+@asks(questions.AddedTestQuestion, questions.RIG, questions.NEW_TESTS, as_stated=True)
 def add_to_rig(
     rig: str | Path,
     tests: str | Path | Iterable[str | Path],
@@ -349,7 +349,7 @@ class RigPrediction(PlainResult):
         return plot_errors({"next test": size}, Metric.RMS, self.prediction.threshold, axes)
 
 
-@asks(questions.PredictionQuestion, questions.RigArgument)
+@asks(questions.PredictionQuestion, questions.RIG)
 def predict_rig(rig: str | Path, **request: Unpack[questions.PredictionQuestion]) -> RigPrediction:
     """Predict the next test of a rig from all that it has done.
 
@@ -418,7 +418,7 @@ def _predict_for_structure(
     return predict_under_suite(table, structure, following, pairs, threshold=limit, suite=suite)
 
 
-@asks(questions.RigReportQuestion, questions.RigPdfArguments)
+@asks(questions.RigReportQuestion, questions.RIG, questions.RIG_PDF)
 def report_rig(
     rig: str | Path,
     out: str | Path,
@@ -447,7 +447,7 @@ def report_rig(
     return Path(out)
 
 
-@asks(questions.RigReportQuestion, questions.RigArgument)
+@asks(questions.RigReportQuestion, questions.RIG)
 def document_of_rig(rig: str | Path, **request: Unpack[questions.RigReportQuestion]) -> "Document":
     """Make the document that :func:`report_rig` sets as a PDF; arguments and errors are the same."""
     from reliab.report.kinds.rig_report import rig_report

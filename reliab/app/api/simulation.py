@@ -60,7 +60,7 @@ class MotionList(ResultWithRows):
     skipped: tuple[MotionFault, ...] = ()
 
 
-@asks(questions.MotionQuestion, questions.MotionSources)
+@asks(questions.MotionQuestion, questions.MOTION_SOURCES)
 def list_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionList:
     """List motions with their events and measures of intensity; records with faults are left out and named.
 
@@ -114,7 +114,7 @@ class MotionCheck(PlainResult):
     notes: tuple[MotionFault, ...]
 
 
-@asks(questions.MotionQuestion, questions.MotionSources)
+@asks(questions.MotionQuestion, questions.MOTION_SOURCES)
 def check_motions(sources: Files, **read: Unpack[questions.MotionQuestion]) -> MotionCheck:
     """Read every record, and state all faults, not only the first."""
     inspections = [inspect(source, **_reading(read)) for source in paths(sources)]
@@ -140,7 +140,7 @@ def _reading(read: questions.MotionQuestion) -> dict[str, Any]:
     return {"sets": as_list(read["sets"]), "time_step": read["time_step"], "units": read["units"]}
 
 
-@asks(questions.MotionImportQuestion, questions.MotionSources, questions.NewSuite)
+@asks(questions.MotionImportQuestion, questions.MOTION_SOURCES, questions.NEW_SUITE)
 def import_motions(
     sources: Files, *, out: str | Path, **request: Unpack[questions.MotionImportQuestion]
 ) -> WrittenSuite:
@@ -161,7 +161,7 @@ def import_motions(
     )
 
 
-@asks(questions.SyntheticSuiteQuestion, questions.NewSuite)
+@asks(questions.SyntheticSuiteQuestion, questions.NEW_SUITE)
 def synthesize_motions(
     *, out: str | Path, **request: Unpack[questions.SyntheticSuiteQuestion]
 ) -> WrittenSuite:
@@ -184,7 +184,7 @@ def _write_suite(suite: MotionSuite, catalogue: Path, events: Sequence[str]) -> 
 _ATTRIBUTES = ("grid", "windows", "engine", "tolerance", "experimental_fraction", "model", "study_hash")
 
 
-@asks(questions.SweepQuestion, questions.NewStore)
+@asks(questions.SweepQuestion, questions.NEW_STORE)
 def simulate(
     motions: Motions,
     *,
@@ -265,7 +265,7 @@ class Simulation(PlainResult):
         return {name: stored[name] for name in _ATTRIBUTES if name in stored}
 
 
-@asks(questions.SimulationQuestion, questions.NewStore)
+@asks(questions.SimulationQuestion, questions.NEW_STORE)
 def simulate_suite(*, out: str | Path, **request: Unpack[questions.SimulationQuestion]) -> Simulation:
     """Simulate motions from several sources and sets as :func:`simulate` does, and say what was stored."""
     suite = load_motions(*paths(request["motions"] or "synthetic"), sets=as_list(request["sets"]))

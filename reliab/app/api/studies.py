@@ -94,7 +94,7 @@ def _describe_compiled_code() -> str:
     return "__pycache__ beside each module" if folder.name == "__pycache__" else str(folder.parent)
 
 
-@asks(questions.SampleFolder)
+@asks(questions.SAMPLE_FOLDER)
 def copy_samples(folder: str | Path = "datasets") -> tuple[Path, ...]:
     """Write the samples that come with reliab into a folder; files with other content are not overwritten.
 
@@ -130,7 +130,7 @@ def _files(sample: Path) -> list[Path]:
     return sorted(path for path in sample.iterdir() if path.is_file()) if sample.is_dir() else [sample]
 
 
-@asks(questions.ListedData)
+@asks(questions.LISTED_DATA)
 def fetch_dataset(source: str | Path) -> Path:
     """Bring shipped data that the wheel leaves out, and compare its checksum.
 
@@ -225,7 +225,7 @@ class PerformedStudy(PlainResult):
     answer: str = ""  # What the report says in one sentence
 
 
-@asks(questions.StudyArgument, options.Folder)
+@asks(questions.StudyArgument, options.FOLDER)
 def run_study(
     study: str | Path = "quick",
     *,
@@ -299,7 +299,7 @@ class WrittenReport(PlainResult):
     report: Path
 
 
-@asks(questions.RunArgument)
+@asks(questions.RUN_FOLDER)
 def report_run(folder: str | Path, *, setting: ReportSetting | None = None) -> WrittenReport:
     """Write the PDF of a finished run again, from its folder alone."""
     return WrittenReport(folder=Path(folder), report=write_report(folder, setting=setting))

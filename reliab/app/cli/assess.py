@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict
 
 import typer
 
@@ -28,8 +28,8 @@ _COMMON_OPTIONS = ("tests", "out", "check")
 
 
 @group
-class _OneTest(options.Tests, options.Check, options.Cover, options.Details, total=False):
-    """Tests to judge, or what is written.
+class _OneTest(TypedDict, total=False):
+    """What is written of one test.
 
     report: Write a report of two pages, to be filed with the test.
     corrected: Write the response that a perfect actuator would have produced, with its band.
@@ -41,6 +41,10 @@ class _OneTest(options.Tests, options.Check, options.Cover, options.Details, tot
 
 @takes(
     questions.AssessmentQuestion,
+    options.Tests,
+    options.CHECK,
+    options.Cover,
+    options.DETAILS,
     _OneTest,
     needs=dict.fromkeys(options.Cover.__annotations__, "report"),
 )
@@ -64,7 +68,7 @@ def assess(request: Request) -> None:
         raise typer.Exit(1)
 
 
-@takes(questions.AssessmentQuestion, options.Tests, options.Check)
+@takes(questions.AssessmentQuestion, options.Tests, options.CHECK)
 def extrapolate(request: Request) -> None:
     """Extrapolate runs of one test with different delays or gains to zero error.
 
@@ -145,7 +149,7 @@ def _write_several(assessments: "Assessments", request: Request) -> None:
         )
 
 
-@takes(questions.AssessmentQuestion, options.Tests, options.Chart, options.Details)
+@takes(questions.AssessmentQuestion, options.Tests, options.CHART, options.DETAILS)
 def compare(request: Request) -> None:
     """Rank tests by error and say how certain the ranking is.
 

@@ -17,7 +17,7 @@ from typer.core import TyperCommand, TyperGroup
 from reliab.app.api.arguments import refuse_unused
 from reliab.app.cli.output import progress_bar, speaking, write_json
 from reliab.app.declaration import Files, Option, Quantities, Quantity, collect_options
-from reliab.app.options import HELP, PANELS, Json
+from reliab.app.options import HELP, JSON, PANELS
 from reliab.core.errors import InputError
 from reliab.core.progress import shows_tasks
 from reliab.core.stated_value import Names, Numbers, percentage_as_number
@@ -192,7 +192,7 @@ def takes(
     `needs`: by option the one without which it has no effect; `idle_beside`: by option one more beside which
     a laboratory's default of it has none.
     """
-    declarations = {**collect_options(*questions), **collect_options(Json)}
+    declarations = {**collect_options(*questions), **collect_options(JSON)}
     for name, neighbour in (idle_beside or {}).items():
         kind, option = declarations[name]
         declarations[name] = kind, replace(option, idle_beside=(*option.idle_beside, neighbour))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from reliab.assessment.design import TolerableErrors
 
 
-@takes(questions.CriterionQuestion, options.Listing, options.Details)
+@takes(questions.CriterionQuestion, options.LISTING, options.DETAILS)
 def criterion(request: Request) -> None:
     """Derive how much amplitude error and delay a test may have.
 
@@ -213,7 +213,7 @@ _BESIDE: Final[dict[str, Callable[[Any], None]]] = {
 }
 
 
-@takes(questions.DesignQuestion, options.Chart, options.Details)
+@takes(questions.DesignQuestion, options.CHART, options.DETAILS)
 def design(request: Request) -> None:
     """Print how much amplitude error and delay are tolerable, before a test."""
     from reliab.app.api.assessment import draw_chart

@@ -1,25 +1,32 @@
 """`reliab diagnose`: where a campaign's model fails, what is missing, and the proof on held-out tests."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from reliab.app import declaration, options
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import console, say, say_briefly, write_json
-from reliab.app.declaration import argument, group
+from reliab.app.declaration import argument, single
 
 if TYPE_CHECKING:
     from reliab.discrepancy.result.diagnosis import Diagnosis
 
 
-@group
-class _Campaign(options.Folder, options.Cover, options.Details, total=False):
-    """Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab."""
+_CAMPAIGN = single(
+    "campaign",
+    Path,
+    argument("CAMPAIGN_DIR", completion=declaration.campaigns),
+    "Folder with campaign.toml and the tests; or rig_a, rig_b, rig_c, which come with reliab.",
+)
 
-    campaign: Annotated[Path, argument("CAMPAIGN_DIR", completion=declaration.campaigns)]
 
-
-@takes(_Campaign, needs=dict.fromkeys(options.Cover.__annotations__, "out"))
+@takes(
+    options.FOLDER,
+    options.Cover,
+    options.DETAILS,
+    _CAMPAIGN,
+    needs=dict.fromkeys(options.Cover.__annotations__, "out"),
+)
 def diagnose(request: Request) -> None:
     """Find where model and test disagree, name what is missing, verify it on held-out tests."""
     from reliab.app.api.diagnosis import diagnose_campaign, report_diagnosis

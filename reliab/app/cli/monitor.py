@@ -5,7 +5,7 @@ import sys
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, Self, TextIO, TypedDict
 
 import typer
 
@@ -29,7 +29,7 @@ _NO = 1  # exit code where the answer is no
 
 
 @group
-class _MonitorArguments(options.Check, total=False):
+class _MonitorArguments(TypedDict, total=False):
     """Tests to judge, or what is written.
 
     source: CSV file to which the test is or will be written, or - to read rows from standard input; or
@@ -41,7 +41,12 @@ class _MonitorArguments(options.Check, total=False):
     export: Annotated[tuple[str, str] | None, OUTPUT.advanced("c DIR|fmu FILE|fmu3 FILE")]
 
 
-@takes(questions.MonitorQuestion, _MonitorArguments, idle_beside=dict.fromkeys(STATED_BY_MODEL, "model"))
+@takes(
+    questions.MonitorQuestion,
+    options.CHECK,
+    _MonitorArguments,
+    idle_beside=dict.fromkeys(STATED_BY_MODEL, "model"),
+)
 def monitor(request: Request) -> None:
     """Follow the error of a test while it runs, and judge the whole test at its end.
 

@@ -23,7 +23,7 @@ app = typer.Typer(cls=Group, no_args_is_help=True, help="Ground motions: list, c
 
 
 @app.command("list", cls=Command)
-@takes(questions.MotionQuestion, questions.MotionSources)
+@takes(questions.MotionQuestion, questions.MOTION_SOURCES)
 def list_motions(request: Request) -> None:
     """List motions with their events and measures of intensity."""
     from reliab.app.api.simulation import MotionList, list_motions as api_list_motions
@@ -43,7 +43,7 @@ def list_motions(request: Request) -> None:
 
 
 @app.command("check", cls=Command)
-@takes(questions.MotionQuestion, questions.MotionSources)
+@takes(questions.MotionQuestion, questions.MOTION_SOURCES)
 def check(request: Request) -> None:
     """Read every record; report all faults (exit code 2), and note what deserves a look."""
     from reliab.app.api.simulation import MotionCheck, check_motions
@@ -58,7 +58,7 @@ def check(request: Request) -> None:
 
 
 @app.command("import", cls=Command)
-@takes(questions.MotionImportQuestion, questions.MotionSources, questions.NewSuite)
+@takes(questions.MotionImportQuestion, questions.MOTION_SOURCES, questions.NEW_SUITE)
 def import_motions(request: Request) -> None:
     """Rewrite motions as a suite: one text format in m/s² and a catalogue."""
     from reliab.app.api.simulation import import_motions as api_import_motions
@@ -67,7 +67,7 @@ def import_motions(request: Request) -> None:
 
 
 @app.command("synthesize", cls=Command)
-@takes(questions.SyntheticSuiteQuestion, questions.NewSuite)
+@takes(questions.SyntheticSuiteQuestion, questions.NEW_SUITE)
 def synthesize(request: Request) -> None:
     """Write the synthetic suite, which needs no record."""
     from reliab.app.api.simulation import synthesize_motions
@@ -112,7 +112,7 @@ def _path_within_sources(file: str, sources: Sequence[str]) -> str:
     )
 
 
-@takes(questions.SimulationQuestion, questions.NewStore)
+@takes(questions.SimulationQuestion, questions.NEW_STORE)
 def simulate(request: Request) -> None:
     """Simulate motions for all structures and actuators and store the results.
 

@@ -126,7 +126,7 @@ def _show(record: "Record") -> None:
 _UNDETERMINED = 10.0  # times the value: a deviation from which nothing is known of it
 
 
-@takes(questions.CalibrationQuestion, questions.CalibrationFile)
+@takes(questions.CalibrationQuestion, questions.CALIBRATION_TEST)
 def calibrate(request: Request) -> None:
     """Measure skew, scale, hysteresis, noise and resolution of the two displacement channels."""
     from reliab.app.api.records import calibrate as api_calibrate

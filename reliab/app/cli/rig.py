@@ -20,7 +20,7 @@ app = typer.Typer(
 
 
 @app.command("add", cls=Command)
-@takes(questions.AddedTestQuestion, questions.NewTests)
+@takes(questions.AddedTestQuestion, questions.RIG, questions.NEW_TESTS)
 def add(request: Request) -> None:
     """Judge tests and keep them: record, verdict and indices."""
     from reliab.app.api.rigs import add_to_rig
@@ -39,7 +39,7 @@ def add(request: Request) -> None:
 
 
 @app.command("list", cls=Command)
-@takes(questions.RigArgument)
+@takes(questions.RIG)
 def list_tests(request: Request) -> None:
     """List the tests of a rig and say where it changed."""
     from reliab.app.api.rigs import list_rig
@@ -48,7 +48,7 @@ def list_tests(request: Request) -> None:
 
 
 @app.command("show", cls=Command)
-@takes(questions.KeptTest)
+@takes(questions.RIG, questions.KEPT_TEST)
 def show(request: Request) -> None:
     """Show all that is kept of a test."""
     from reliab.app.api.rigs import show_rig_test
@@ -57,7 +57,7 @@ def show(request: Request) -> None:
 
 
 @app.command("remove", cls=Command)
-@takes(questions.KeptTests)
+@takes(questions.RIG, questions.KEPT_TESTS)
 def remove(request: Request) -> None:
     """Remove tests from a rig."""
     from reliab.app.api.rigs import remove_from_rig
@@ -70,7 +70,7 @@ def remove(request: Request) -> None:
 
 
 @app.command("export", cls=Command)
-@takes(questions.RigTableArguments)
+@takes(questions.RIG, questions.RIG_TABLE)
 def export(request: Request) -> None:
     """Write the table of a rig's tests as CSV."""
     from reliab.app.api.rigs import export_rig
@@ -83,7 +83,7 @@ def export(request: Request) -> None:
 
 
 @app.command("predict", cls=Command)
-@takes(questions.PredictionQuestion, questions.RigArgument, options.Details)
+@takes(questions.PredictionQuestion, questions.RIG, options.DETAILS)
 def predict(request: Request) -> None:
     """Predict the next test: A, d and error with their intervals, and the probability that it is good."""
     from reliab.app.api.rigs import predict_rig
@@ -92,7 +92,7 @@ def predict(request: Request) -> None:
 
 
 @app.command("report", cls=Command)
-@takes(questions.RigReportQuestion, options.Cover, questions.RigPdfArguments)
+@takes(questions.RigReportQuestion, options.Cover, questions.RIG, questions.RIG_PDF)
 def report(request: Request) -> None:
     """Write two pages on what the rig does and what to expect of its next test, and an appendix.
 

@@ -9,7 +9,7 @@ from reliab.app.cli.output import say, show_rows, write_line
 _COVER = tuple(options.Cover.__annotations__)
 
 
-@takes(questions.StudyArgument, options.Folder, options.Listing, options.Cover)
+@takes(questions.StudyArgument, options.FOLDER, options.LISTING, options.Cover)
 def run(request: Request) -> None:
     """Run a study: simulate, fit, derive, validate, report."""
     from reliab.app.api.studies import PerformedStudy, list_studies, run_study
@@ -33,7 +33,7 @@ def run(request: Request) -> None:
     request.answer(run_study, show, *_COVER, setting=request.setting(), tell=tell)
 
 
-@takes(options.Cover, questions.RunArgument)
+@takes(options.Cover, questions.RUN_FOLDER)
 def report(request: Request) -> None:
     """Rebuild the PDF of a finished run."""
     from reliab.app.api.studies import report_run
@@ -41,7 +41,7 @@ def report(request: Request) -> None:
     request.answer(report_run, lambda run: say(f"Report: {run.report}"), *_COVER, setting=request.setting())
 
 
-@takes(questions.ListedData)
+@takes(questions.LISTED_DATA)
 def fetch(request: Request) -> None:
     """Fetch the data that are too large for the package: results.nc of real_suite."""
     from reliab.app.api.studies import fetch_dataset
@@ -53,7 +53,7 @@ def fetch(request: Request) -> None:
     )
 
 
-@takes(questions.SampleFolder)
+@takes(questions.SAMPLE_FOLDER)
 def samples(request: Request) -> None:
     """Write sample files into a folder; files that you changed are kept."""
     from reliab.app.api.studies import copy_samples

@@ -1,24 +1,24 @@
 """`reliab validate`: whether criteria hold on motions that they have not seen."""
 
-from typing import Annotated, Any, TypedDict
+from typing import Any
 
 from reliab.app import questions
 from reliab.app.cli.commands import Request, takes
 from reliab.app.cli.output import say, show_rows
-from reliab.app.declaration import group
+from reliab.app.declaration import single
 from reliab.app.options import METHOD
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import ERROR_NAMES, Metric
 
+_CALIBRATION = single(
+    "calibration",
+    bool,
+    METHOD.flag(),
+    "Compare the stated probabilities with the shares of tests that are good.",
+)
 
-@group
-class _Ways(TypedDict, total=False):
-    """Compare the stated probabilities with the shares of tests that are good."""
 
-    calibration: Annotated[bool, METHOD.flag()]
-
-
-@takes(questions.ValidationQuestion, _Ways)
+@takes(questions.ValidationQuestion, _CALIBRATION)
 def validate(request: Request) -> None:
     """Test criteria on earthquakes that they have not seen."""
     from reliab.app.api.validation import calibrate_probabilities, validate_criteria
