@@ -4,11 +4,10 @@ A worker imports the package once, judges the shipped test to load its kernels, 
 cancel is to end the process: nothing of the work remains, and a new worker takes its place.
 """
 
+import multiprocessing
 import os
 import re
 import secrets
-import subprocess
-import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
@@ -17,14 +16,15 @@ from pathlib import Path
 from pickle import UnpicklingError
 from typing import Any, Final
 
-from reliab.core.threads import ONE_THREAD
-from reliab.desk.worker import Pipe
+from reliab.desk.worker import work_through
 
 Tell = Callable[[Any], None]
 """Sends an intermediate result from a worker to the page."""
 
 MOST_WORKERS: Final = max(2, min(4, os.cpu_count() or 2))
 """Processes that work at once."""
+
+_SPAWN: Final = multiprocessing.get_context("spawn")  # a fork would share the threads of the desk
 
 _ENDED: Final = (
     "The calculation ended without an answer: its process was stopped, or ran out of memory. Try it again, "
@@ -54,32 +54,15 @@ class _Worker:
     """A process that waits for work."""
 
     def __init__(self, folder: str) -> None:
-        environment = {**os.environ, **ONE_THREAD, "TMPDIR": folder, "TEMP": folder, "MPLBACKEND": "agg"}
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "reliab.desk.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=environment,
-            start_new_session=True,  # so that Ctrl+C reaches the desk alone, which then ends its workers
-        )
-        reads, writes = self.process.stdout, self.process.stdin
-        if reads is None or writes is None:  # never, since both are asked for
-            raise OSError("a process without pipes")
-        self.channel = Pipe(reads, writes)
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it can work."""
-        return self.process.poll() is None
+        self.channel, far_end = _SPAWN.Pipe()
+        self.process = _SPAWN.Process(target=work_through, args=(far_end, folder), daemon=True)
+        self.process.start()
+        far_end.close()  # so that the end of the process is the end of the messages
 
     def stop(self) -> None:
         """End the process, whatever it does."""
         self.process.kill()
-        self.process.wait()
-
-    def close(self) -> None:
-        """Close the pipes of a process that was ended, once nobody reads them."""
-        self.channel.close()
+        self.process.join()
 
 
 class Jobs:
@@ -118,7 +101,7 @@ class Jobs:
         for worker in workers:
             worker.stop()
         for worker in self._idle:
-            worker.close()
+            worker.channel.close()
 
     def _new_worker(self) -> _Worker:
         worker = _Worker(self._folder)
@@ -133,13 +116,13 @@ class Jobs:
             job.state = "running"
             return worker
 
-    def _give_back(self, worker: _Worker) -> None:
+    def _give_back(self, worker: _Worker, *, is_idle: bool) -> None:
         with self._lock:
-            if worker.is_alive:
+            if is_idle:
                 self._idle.append(worker)
                 return
             self._all.discard(worker)
-            worker.close()
+            worker.channel.close()
             if not self._idle and not self._closed:  # so that the next work finds one that is ready
                 self._idle.append(self._new_worker())
 
@@ -148,17 +131,19 @@ class Jobs:
             worker = self._take_worker(job)
             if worker is None:
                 return
+            is_idle = False
             try:
                 worker.channel.send((work, arguments))
                 while not job.is_over:
-                    _take_message(job, *worker.channel.receive())
+                    _take_message(job, *worker.channel.recv())
+                is_idle = job.state != "cancelled"
             except (EOFError, OSError, ValueError, UnpicklingError):
                 with self._lock:
                     if not job.is_over:
                         job.refusal, job.state = _ENDED, "refused"
                 worker.stop()
             finally:
-                self._give_back(worker)
+                self._give_back(worker, is_idle=is_idle)
 
 
 def _take_message(job: Job, kind: str, content: Any) -> None:  # noqa: ANN401 - of many kinds

@@ -1,44 +1,20 @@
-"""The process that works for the desk: it reads what to do, and writes how far it is and what came of it.
-
-Messages are pickles, which only the desk and its own workers write.
-"""
+"""The process that works for the desk: it reads what to do, and writes how far it is and what came of it."""
 
 import os
-import pickle
-import sys
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import IO, Any, Final
+from multiprocessing.connection import Connection
+from typing import Any, Final
 
 from reliab.core.errors import ReliabError
 from reliab.core.progress import Progress, shows_tasks
+from reliab.core.threads import ONE_THREAD
 
 _SHORTEST_STEP: Final = 0.01  # of the progress between two messages
 
 
-class Pipe:
-    """Messages to and from a process."""
-
-    def __init__(self, reads: IO[bytes], writes: IO[bytes]) -> None:
-        self._reads, self._writes = reads, writes
-
-    def receive(self) -> Any:  # noqa: ANN401 - of many kinds
-        """Wait for a message; raises EOFError where none will come."""
-        return pickle.load(self._reads)  # noqa: S301 - from a process that the desk started
-
-    def close(self) -> None:
-        """Close both ends; what could not be sent is given up."""
-        with suppress(OSError):
-            self._writes.close()
-        self._reads.close()
-
-    def send(self, message: object) -> None:
-        """Send a message."""
-        pickle.dump(message, self._writes, protocol=pickle.HIGHEST_PROTOCOL)
-        self._writes.flush()
-
-
-def answer(channel: Pipe, work: Callable[..., Any], arguments: Mapping[str, Any]) -> tuple[str, Any]:
+def answer(channel: Connection, work: Callable[..., Any], arguments: Mapping[str, Any]) -> tuple[str, Any]:
     """Work, and tell the progress; return "finished" and the outcome, or "refused" and why."""
 
     @contextmanager
@@ -72,14 +48,18 @@ def answer(channel: Pipe, work: Callable[..., Any], arguments: Mapping[str, Any]
         )
 
 
-def main() -> None:
-    """Work through what is asked until the desk closes; what libraries print goes to the error stream."""
-    channel = Pipe(sys.stdin.buffer, os.fdopen(os.dup(1), "wb"))
+def work_through(channel: Connection, folder: str) -> None:
+    """Work through what is asked until the desk closes; `folder`: where temporary files go.
+
+    What libraries print goes to the error stream. Ctrl-C reaches the desk, which ends its workers.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.update({**ONE_THREAD, "TMPDIR": folder, "TEMP": folder, "MPLBACKEND": "agg"})
     os.dup2(2, 1)
-    _load_kernels()
-    with suppress(EOFError, OSError, KeyboardInterrupt):
+    with suppress(EOFError, OSError):
+        _load_kernels()
         while True:
-            work, arguments = channel.receive()
+            work, arguments = channel.recv()
             channel.send(answer(channel, work, arguments))
 
 
@@ -91,7 +71,3 @@ def _load_kernels() -> None:
     with suppress(ReliabError):
         record("sample_test")
         assess("sample_test", f=1.0, xi=0.02)
-
-
-if __name__ == "__main__":
-    main()

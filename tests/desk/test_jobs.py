@@ -83,7 +83,7 @@ def test_cancelled_work_stops_its_process_at_once(work, tmp_path):
     process = job.worker.process
     jobs.cancel(job)
     assert job.state == "cancelled"
-    assert process.poll() is not None
+    until(lambda: process.exitcode is not None)
     next_job = jobs.start(functions.steps)
     until(lambda: next_job.is_over)
     assert (next_job.outcome, job.state) == ("all", "cancelled")
@@ -108,7 +108,7 @@ def test_workers_end_with_the_desk(work, tmp_path):
     job = jobs.start(functions.wait, file=str(tmp_path / "began"))
     until((tmp_path / "began").exists)
     jobs.close()
-    assert job.worker.process.poll() is not None
+    until(lambda: job.worker.process.exitcode is not None)
     until(lambda: job.is_over)
 
 
@@ -118,7 +118,7 @@ def test_a_worker_ended_by_the_system_is_explained(work, tmp_path):
     jobs, functions = work
     job = jobs.start(functions.wait, file=str(tmp_path / "began"))
     until((tmp_path / "began").exists)
-    job.worker.process.send_signal(signal.SIGKILL)
+    os.kill(job.worker.process.pid, signal.SIGKILL)
     until(lambda: job.is_over)
     assert "ended without an answer" in job.refusal
 
