@@ -110,18 +110,6 @@ class Shortest(Number):
         return WrittenNumber(digits=text.replace("-", "−"))
 
 
-@dataclass(frozen=True, kw_only=True)
-class WholeNumber(Number):
-    """A whole number.
-
-    >>> WholeNumber()(100.0).digits
-    '100'
-    """
-
-    def _write(self, value: float) -> WrittenNumber:
-        return Fixed(decimals=0)(value)
-
-
 def cells(values: Sequence[Any], number: Number | None) -> list[str | tuple[WrittenNumber, str]]:
     """Write the values of a column: texts, or numbers with the digits that each lacks to be aligned.
 

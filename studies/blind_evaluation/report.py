@@ -11,7 +11,7 @@ from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import PERCENT
 from reliab.effects.registry import library
 from reliab.report.document import Column, Document, Figure as RpFigure, Points, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose, spell_out
 from reliab.report.style import BLUE, GREY, INK, apply_style, blank, name_axes, panels, plain
 
@@ -111,8 +111,8 @@ def _rates(run: Mapping[str, Any]) -> Section:
     ]
     columns = (
         Column(key="what", heading="What", wide=True),
-        Column(key="count", heading="Times", number=WholeNumber()),
-        Column(key="of", heading="Of", number=WholeNumber()),
+        Column(key="count", heading="Times", number=Fixed(decimals=0)),
+        Column(key="of", heading="Of", number=Fixed(decimals=0)),
         *(
             Column(key=key, heading=heading, unit="%", number=_SHARE)
             for key, heading in (("share", "Share"), ("low", "From"), ("high", "To"))
@@ -167,9 +167,9 @@ def _confusion(run: Mapping[str, Any]) -> Section:
     group_names = [name for name in _GROUPS if name in groups]
     columns = (
         Column(key="group", heading="Hidden", wide=True),
-        Column(key="kinds", heading="Kinds", number=WholeNumber()),
-        Column(key="of", heading="Times", number=WholeNumber()),
-        Column(key="right", heading="Answered so", number=WholeNumber()),
+        Column(key="kinds", heading="Kinds", number=Fixed(decimals=0)),
+        Column(key="of", heading="Times", number=Fixed(decimals=0)),
+        Column(key="right", heading="Answered so", number=Fixed(decimals=0)),
         Column(key="otherwise", heading="Otherwise", wide=True),
     )
     return Section(

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Document, Figure as RpFigure, Points, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, Shortest, WholeNumber
+from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import Prose, prose, values
 from reliab.report.style import (
     INK,
@@ -121,8 +121,8 @@ def _table_of_levels(frame: pd.DataFrame) -> Table:
         Column(key="name", heading="Specimen", wide=True),
         Column(key="level", heading="Level", number=Shortest()),
         Column(key="ductility", heading="Ductility", number=_RATIO),
-        Column(key="tests", heading="Tests", number=WholeNumber()),
-        Column(key="lost", heading="Lost", number=WholeNumber()),
+        Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
+        Column(key="lost", heading="Lost", number=Fixed(decimals=0)),
         *(
             Column(key=key, heading=heading, number=_RATIO, group="Median tolerance over linear")
             for key, heading in (("late", "Delay"), ("large", "Gain > 1"), ("small", "Gain < 1"))

@@ -11,7 +11,7 @@ from reliab_studies.laboratory.wording import count_good_tests
 from reliab.core.significant_digits import percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Document, Figure, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.style import apply_style, label_logarithmic, legend_below, line, name_axes, panels, plain
 
@@ -166,8 +166,8 @@ def _uncertain(rows: Sequence[Mapping[str, Any]]) -> Section:
     frame = pd.DataFrame(content, columns=["name", "tests", "lost", *names])
     columns = (
         Column(key="name", heading="Controller", wide=True),
-        Column(key="tests", heading="Tests", number=WholeNumber()),
-        Column(key="lost", heading="Lost", number=WholeNumber()),
+        Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
+        Column(key="lost", heading="Lost", number=Fixed(decimals=0)),
         *_columns(_SHOWN),
     )
     caption = "Means over the tests of uncertain plants that were not lost."

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.style import GREY, apply_style, legend_below, line, name_axes, panels, plain
 
@@ -88,7 +88,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
             frame=rates,
             columns=(
                 Column(key="family", heading="Specimen", wide=True),
-                Column(key="tests", heading="Tests", number=WholeNumber()),
+                Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
                 Column(key="near", heading="10 %", unit="%", number=_SHARE, group="within"),
                 Column(key="wide", heading="25 %", unit="%", number=_SHARE, group="within"),
                 Column(key="held", heading="Interval holds", unit="%", number=_SHARE),
@@ -103,7 +103,7 @@ def _errors(tests: pd.DataFrame, rates: pd.DataFrame) -> Section:
 def _verdicts(rates: pd.DataFrame) -> Section:
     columns = (
         Column(key="family", heading="Specimen", wide=True),
-        Column(key="bad", heading="Bad tests", number=WholeNumber()),
+        Column(key="bad", heading="Bad tests", number=Fixed(decimals=0)),
         Column(key="false_safe", heading="Bad and accepted", unit="%", number=_SMALL_SHARE),
         Column(key="accepted", heading="accepted", unit="%", number=_SHARE, group="good tests"),
         Column(key="refused_good", heading="refused", unit="%", number=_SHARE, group="good tests"),

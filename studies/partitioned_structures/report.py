@@ -7,7 +7,7 @@ from reliab_studies.validation.report import error_beyond_the_model
 
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Document, Figure, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 
 from .running import PREDICTIONS, ratios
@@ -70,7 +70,7 @@ def _verdict(table: pd.DataFrame) -> Prose:
 def _predictions(table: pd.DataFrame, tests: pd.DataFrame) -> Section:
     columns = (
         Column(key="name", heading="Prediction", wide=True),
-        Column(key="tests", heading="Tests", number=WholeNumber()),
+        Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
         *(
             Column(key=key, heading=heading, number=Fixed(decimals=3), group="Predicted over simulated")
             for key, heading in (
@@ -127,7 +127,7 @@ def _shares(shares: pd.DataFrame) -> Section:
     share = Fixed(decimals=2, factor=PERCENT)
     columns = (
         Column(key="structure", heading="Structure", wide=True),
-        Column(key="mode", heading="Mode", number=WholeNumber()),
+        Column(key="mode", heading="Mode", number=Fixed(decimals=0)),
         Column(key="f", heading="f", unit="Hz", number=Fixed(decimals=2)),
         Column(key="xi", heading="ξ", unit="%", number=share),
         *(

@@ -11,7 +11,7 @@ from reliab_studies.laboratory.wording import count_good_tests
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose, spell_out
 from reliab.report.style import apply_style, label_logarithmic, legend_below, line, name_axes, panels, plain
 
@@ -172,9 +172,9 @@ def _compensators(table: pd.DataFrame, rows: Sequence[Mapping[str, Any]]) -> Sec
     columns = (
         Column(key="name", heading="Compensator", wide=True),
         Column(key="plants", heading="Plants"),
-        Column(key="tests", heading="Tests", number=WholeNumber()),
+        Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
         Column(key="share", heading="Lost", unit="%", number=Fixed(decimals=1, factor=PERCENT)),
-        Column(key="over_force_limit", heading="Over 8.9 kN", number=WholeNumber()),
+        Column(key="over_force_limit", heading="Over 8.9 kN", number=Fixed(decimals=0)),
         Column(key="J1", heading="J1", unit="ms", number=Fixed(decimals=2)),
         *(
             Column(key=name, heading=name, unit="%", number=Fixed(decimals=1))
@@ -204,7 +204,7 @@ def _errors(judged: pd.DataFrame, threshold: float) -> Section:
     number = Fixed(decimals=2, factor=PERCENT)
     columns = (
         Column(key="name", heading="Compensator", wide=True),
-        Column(key="case", heading="Case", number=WholeNumber()),
+        Column(key="case", heading="Case", number=Fixed(decimals=0)),
         Column(key="motion", heading="Motion"),
         Column(key="rms", heading="True", unit="%", number=number),
         *(

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from reliab.core.significant_digits import counted, percent
 from reliab.core.vocabulary import PERCENT
 from reliab.report.document import Column, Figure as RpFigure, Section, Table
-from reliab.report.numbers import Fixed, WholeNumber
+from reliab.report.numbers import Fixed
 from reliab.report.prose import Prose, prose
 from reliab.report.style import (
     GREY,
@@ -163,9 +163,9 @@ def _table(frame: pd.DataFrame, key: str, heading: str, caption: Prose, label: s
         frame=frame,
         columns=(
             Column(key=key, heading=heading),
-            Column(key="bad", heading="tried", number=WholeNumber(), group=bad),
+            Column(key="bad", heading="tried", number=Fixed(decimals=0), group=bad),
             Column(key="bad_accepted", heading="accepted", unit="%", number=share, group=bad),
-            Column(key="good", heading="tried", number=WholeNumber(), group=good),
+            Column(key="good", heading="tried", number=Fixed(decimals=0), group=good),
             Column(key="good_accepted", heading="accepted", unit="%", number=share, group=good),
             Column(key="contained", heading="Motions contained", unit="%", number=share),
             Column(key="ratio_05", heading="5 %", number=ratio, group=ratio_heading),

@@ -12,7 +12,7 @@ from reliab_studies.paper2017.pages.displacement_histories import case_histories
 from reliab.core.significant_digits import percent, percent_and_interval
 from reliab.core.vocabulary import MILLI, PERCENT
 from reliab.report.document import Block, Column, Document, Figure as RpFigure, Section, Table, provenance_of
-from reliab.report.numbers import Fixed, Shortest, WholeNumber
+from reliab.report.numbers import Fixed, Shortest
 from reliab.report.prose import Prose, law_in_words, prose
 from reliab.report.sections import limits_section, method_section, rates_section
 from reliab.report.style import (
@@ -143,10 +143,10 @@ def verdicts_section(verdicts: pd.DataFrame, confidence: float) -> Section:
                 frame=rows,
                 columns=(
                     Column(key="candidate", heading="Criterion"),
-                    Column(key="good_accepted", heading="accepted", number=WholeNumber(), group=good),
-                    Column(key="good_rejected", heading="refused", number=WholeNumber(), group=good),
-                    Column(key="bad_accepted", heading="accepted", number=WholeNumber(), group=bad),
-                    Column(key="bad_rejected", heading="refused", number=WholeNumber(), group=bad),
+                    Column(key="good_accepted", heading="accepted", number=Fixed(decimals=0), group=good),
+                    Column(key="good_rejected", heading="refused", number=Fixed(decimals=0), group=good),
+                    Column(key="bad_accepted", heading="accepted", number=Fixed(decimals=0), group=bad),
+                    Column(key="bad_rejected", heading="refused", number=Fixed(decimals=0), group=bad),
                 ),
                 caption=prose(
                     "Verdicts of the criteria that state {share} on tests whose amplitude errors and delays "
@@ -211,13 +211,13 @@ def _actuator_rows(frame: pd.DataFrame) -> Table:
         frame=frame,
         columns=(
             Column(key="rig", heading="Actuator", wide=True),
-            Column(key="tests", heading="Tests", number=WholeNumber()),
+            Column(key="tests", heading="Tests", number=Fixed(decimals=0)),
             Column(key="typical", heading="median", unit="%", number=share, group=off),
             Column(key="worst", heading="worst", unit="%", number=share, group=off),
-            Column(key="bad", heading="Bad", number=WholeNumber()),
-            Column(key="accepted", heading="Accepted", number=WholeNumber()),
-            Column(key="unsafe", heading="Accepted, yet bad", number=WholeNumber()),
-            Column(key="wasted", heading="Good, yet refused", number=WholeNumber()),
+            Column(key="bad", heading="Bad", number=Fixed(decimals=0)),
+            Column(key="accepted", heading="Accepted", number=Fixed(decimals=0)),
+            Column(key="unsafe", heading="Accepted, yet bad", number=Fixed(decimals=0)),
+            Column(key="wasted", heading="Good, yet refused", number=Fixed(decimals=0)),
         ),
         caption=(
             "Verdicts on actuators beyond the model; a test is bad when its own simulated error "
@@ -284,7 +284,7 @@ def _case_rows(frame: pd.DataFrame, seconds: str) -> Table:
     return Table(
         frame=frame,
         columns=(
-            Column(key="case", heading="Case", number=WholeNumber()),
+            Column(key="case", heading="Case", number=Fixed(decimals=0)),
             Column(key="f", heading=prose("$f$"), unit="Hz", number=Shortest()),
             Column(key="xi", heading=prose("$xi$"), unit="-", number=Shortest()),
             Column(key="A", heading=prose("$A$"), unit="-", number=Fixed(decimals=4)),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure as Drawing
 
 from reliab.report.content import files_of
 from reliab.report.document import Column, Document, Equation, Figure, Section, Source, Table
-from reliab.report.numbers import Fixed, Scientific, Significant, WholeNumber
+from reliab.report.numbers import Fixed, Scientific, Significant
 from reliab.report.prose import prose
 
 
@@ -70,7 +70,7 @@ def cells(values, number):
 
 
 @pytest.mark.parametrize(
-    "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), WholeNumber()]
+    "number", [Fixed(decimals=3), Significant(digits=3), Scientific(decimals=1), Fixed(decimals=0)]
 )
 def test_numbers_end_at_the_same_place_after_the_point(number):
     text = cells([23.268, 0.3333, -1234.5, np.nan, np.inf, 0.0], number)
