@@ -17,9 +17,6 @@ from reliab.criterion.population import SampleGrid
 SIGNIFICANCE = 0.05
 """Lognormality is rejected below this p-value."""
 
-_SIMULATIONS = 1999
-_SEED = 2017
-
 
 def objection(values: ArrayLike, parameter: str) -> str:
     """Say that a lognormal distribution does not fit; return nothing where it does.
@@ -38,32 +35,6 @@ def objection(values: ArrayLike, parameter: str) -> str:
         "lognormal quantile does not keep the stated confidence; the methods dirichlet and "
         "order_statistic do not need it."
     )
-
-
-def lognormality(values: ArrayLike) -> dict[str, float]:
-    """Test whether values over motions are lognormal.
-
-    `values`: positive values, shape (motions,), at least three. Returns p-values of the Kolmogorov-Smirnov,
-    Anderson-Darling and Shapiro-Wilk tests. Those of the first two are simulated, since mean and spread are
-    fitted to the same motions; all three count the motions as independent.
-
-    >>> round(lognormality(np.random.default_rng(1).pareto(2.0, size=80) + 1.0)["anderson_darling"], 3)
-    0.001
-    """
-    logarithms = np.log(values)
-    simulated = {
-        test: float(
-            scipy.stats.goodness_of_fit(
-                scipy.stats.norm,
-                logarithms,
-                statistic=name,
-                n_mc_samples=_SIMULATIONS,
-                rng=np.random.default_rng(_SEED),
-            ).pvalue
-        )
-        for test, name in (("kolmogorov_smirnov", "ks"), ("anderson_darling", "ad"))
-    }
-    return {**simulated, "shapiro_wilk": float(scipy.stats.shapiro(logarithms).pvalue)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

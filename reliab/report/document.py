@@ -1,12 +1,12 @@
 """A report as an object: what it says in which order, and the literature it refers to."""
 
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
+from reliab.core.described_files import read_toml
 from reliab.criterion.scope import Provenance, read_versions
 from reliab.report.numbers import Number
 from reliab.report.prose import Prose, references, require_formula
@@ -123,7 +123,9 @@ class Source:
     text: str  # Authors, year, title and place
 
 
-BACK_MATTER: Final = tomllib.loads(Path(__file__).with_name("back_matter.toml").read_text(encoding="utf-8"))
+BACK_MATTER: Final = read_toml(
+    Path(__file__).with_name("back_matter.toml"), rule="Not a file of reliab", remedy="Install it again"
+)
 """Literature and words that stand at the end of a report which uses them."""
 
 SOURCES: Final = tuple(

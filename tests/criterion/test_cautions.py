@@ -13,7 +13,6 @@ from reliab.criterion.cautions import (
     _extrapolation_caution,
     _omission_caution,
     _shortfall,
-    lognormality,
     not_lognormal,
     objection,
     quantile_plot,
@@ -90,19 +89,8 @@ def test_non_lognormal_motions_have_no_assurance(two_sided):
 def test_the_printed_table_is_not_lognormal(printed_table2):
     """Shapiro-Wilk on logarithms: p = 0.007 for a and 5e-5 for b."""
     sample = sample_of(printed_table2, frequency=1.0, damping_ratio=0.02, threshold=0.05, metric="rms")
-    result = {"a": lognormality(sample.a), "b": lognormality(sample.b)}
-    assert result["a"]["shapiro_wilk"] == pytest.approx(0.007, abs=0.0005)
-    assert result["b"]["shapiro_wilk"] == pytest.approx(5e-5, rel=0.1)
+    assert "a is not lognormal over these motions (Shapiro-Wilk p = 0.007" in objection(sample.a, "a")
     assert "b is not lognormal over these motions (Shapiro-Wilk p = 5" in objection(sample.b, "b")
-
-
-@pytest.mark.slow
-def test_p_values_of_lognormal_motions_are_uniform():
-    rng = np.random.default_rng(11)
-    fits = [lognormality(np.exp(rng.normal(size=40))) for _ in range(60)]
-    for test in ("kolmogorov_smirnov", "anderson_darling", "shapiro_wilk"):
-        p_values = [fit[test] for fit in fits]
-        assert stats.kstest(p_values, "uniform").pvalue > 0.01, test
 
 
 def test_nothing_is_said_when_nothing_is_rejected():
