@@ -192,17 +192,7 @@ def add_to_rig(
     files = [tests] if isinstance(tests, str | Path) else list(tests)
     if not files:
         raise InputError("No test given", remedy="Name its file")
-    question: Mapping[str, Any] = {**request}
-    moment = require_date(request["date"]) if request["date"] else None
-    labels = {"date": moment, **{name: question[name] for name in ("event", "specimen", "note")}}
-    terms = {name: question[name] for name in _TERMS}
-    keeper = _Keeper(
-        folder=RigFolder(Path(rig)),
-        reading=FileReading.from_question(request),
-        terms={name: value for name, value in terms.items() if value is not None and value is not False},
-        labels={name: as_text(value) for name, value in labels.items() if value},
-        covariates=parse_covariates(request["covariate"] or ()),
-    )
+    keeper = _Keeper(Path(rig), request)
     kept: list[tuple[str, dict[str, Any] | None]] = []
     faults: dict[str, str] = {}
     for count, file in enumerate(map(Path, files), start=1):
@@ -246,15 +236,27 @@ def parse_covariates(texts: Iterable[str], measured_columns: tuple[str, ...] = (
     return covariates
 
 
-@dataclass(frozen=True, kw_only=True)
 class _Keeper:
     """Judges tests by the same terms and keeps them; see `add_to_rig`."""
 
-    folder: RigFolder
-    reading: FileReading
-    terms: Mapping[str, Any]
-    labels: Mapping[str, str]
-    covariates: Mapping[str, float]
+    def __init__(self, rig: Path, question: Mapping[str, Any]) -> None:
+        self.folder, self.reading = RigFolder(rig), FileReading.from_question(question)
+        terms = {name: question[name] for name in _TERMS}
+        self.terms = {k: value for k, value in terms.items() if value is not None and value is not False}
+        labels = {name: question[name] for name in ("date", "event", "specimen", "note") if question[name]}
+        if "date" in labels:
+            labels["date"] = require_date(labels["date"])
+        self.labels = {name: as_text(value) for name, value in labels.items()}
+        self.covariates = parse_covariates(question["covariate"] or ())
+        numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
+        stated = {name: as_text(str(value)) for name, value in self.terms.items()} | self.labels
+        about = ("f", "xi", "alpha", "mass", "date", "specimen")
+        self.about = About(
+            **{name: stated[name] for name in about if name in stated},
+            rig=rig.name,
+            further={name: self.labels[name] for name in ("event", "note") if name in self.labels} | numbers,
+        )
+        self.texts = stated | numbers  # What is stated of a test, as it is kept
 
     def readings_of(self, file: Path) -> dict[str, FileReading]:
         """How each test of a file is read, by its name."""
@@ -263,18 +265,13 @@ class _Keeper:
         suffix = f", {self.reading.test_name}" if self.reading.test_name else ""
         return {f"{file.name}{suffix}": self.reading}
 
-    def _collect_texts(self) -> dict[str, str]:
-        """Put what is stated of the test into texts."""
-        numbers = {name: f"{value:.17g}" for name, value in self.covariates.items()}
-        return {**{name: as_text(str(value)) for name, value in self.terms.items()}, **self.labels, **numbers}
-
     def keep(self, file: Path, name: str, reading: FileReading) -> dict[str, Any] | None:
         """Judge and keep a test; None where it is there."""
         path = find_test(file)
         checksum = _checksum(path, reading.test_name)
         if self.folder.holds(checksum):
             kept_terms = cast("Mapping[str, str]", self.folder.read(checksum).get("terms", {}))
-            for term, text in self._collect_texts().items():
+            for term, text in self.texts.items():
                 if kept_terms.get(term) != text:
                     raise InputError(
                         "The rig holds this test with other statements",
@@ -293,21 +290,9 @@ class _Keeper:
             **self.labels,
         }
         test = describe_test(assessment, texts, self.covariates)
-        record, _ = reading.record(path, self._about())
-        self.folder.add(test, record, assessment.to_dict(), self._collect_texts())
+        record, _ = reading.record(path, self.about)
+        self.folder.add(test, record, assessment.to_dict(), self.texts)
         return test.to_dict()
-
-    def _about(self) -> About:
-        values = {name: str(self.terms[name]) for name in ("f", "xi", "alpha", "mass") if name in self.terms}
-        attributes = {name: text for name, text in self.labels.items() if name in ("event", "note")}
-        attributes |= {name: f"{value:.17g}" for name, value in self.covariates.items()}
-        return About(
-            **values,
-            date=self.labels.get("date", ""),
-            specimen=self.labels.get("specimen", ""),
-            rig=self.folder.path.name,
-            further=attributes,
-        )
 
 
 def _checksum(path: Path, test_name: str | None) -> str:
