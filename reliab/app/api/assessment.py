@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
@@ -43,11 +42,15 @@ if TYPE_CHECKING:
     from reliab.assessment.several import Assessments
     from reliab.report.document import Document
     from reliab.report.setting import ReportSetting
-    from reliab.signals.filters import LowPass
     from reliab.simulation.frames.frame_file import FrameUnderTest
 
 _ALL_TESTS = "all"
-_ASSUMED_DAMPING = StatedValue(0.02)
+_USUAL_VALUES = {
+    "xi": StatedValue(0.02),
+    **dict.fromkeys(("alpha", "scale"), StatedValue(1.0)),
+    "feedback_lag": StatedValue(0.0),
+}
+"""Values that hold where nothing is stated."""
 _DAMPING_WARNING = (
     "No damping ratio was stated; 0.02 was assumed, and the interval allows for any from 0.005 to 0.1."
 )
@@ -150,79 +153,49 @@ def _make_judge(
     structure: "Structure | FrameUnderTest | str | Path | None", question: Mapping[str, Any]
 ) -> Judge:
     """Read what tests share, and return what judges one of them."""
-    numbers = stated_quantities(question)
+    numbers, model = stated_quantities(question), question["model"]
     filters = parse_filters(question["filter"] or ())
-    if question["criterion"] is not None:
-        reason = "together with `criterion`, which states its own"
-        refuse_stated(question, "threshold", "confidence", "metric", reason=reason)
-    remedy = "Leave it out; the structure describes the test"
-    refuse = partial(refuse_stated, question, reason="together with `structure`", remedy=remedy)
     if structure is not None:
-        refuse(*STRUCTURE_NAMES)
+        is_frame = not isinstance(structure, Structure)
+        names = (*STRUCTURE_NAMES, "mass", "resolution") if is_frame else STRUCTURE_NAMES
+        remedy = "Leave it out; the structure describes the test"
+        refuse_stated(question, *names, reason="together with `structure`", remedy=remedy)
     if structure is None or isinstance(structure, Structure):
-        return _make_judge_of_structure(structure, question, numbers, filters)
-    refuse("mass", "resolution")
-    return _make_judge_of_frame(structure, question, numbers, filters)
-
-
-def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
-    """Read what one mass and frames are judged by alike."""
-    specimen = question["specimen"]
-    is_measured = require_known_specimen(specimen, has_model=question["model"] is not None)
-    if question["force_channel"] is not None and not is_measured:
-        raise refuse_unused("force_channel", "unless the `specimen` is measured")
-    return {
-        **{name: question[name] for name in ("criterion", "motion", "force_channel")},
-        "equipment": choose_equipment(question["equipment"], exact=question["exact"]),
-        "measured_specimen": is_measured,
-        "linear_specimen": specimen == LINEAR,
-        "threshold": parse_threshold(question["threshold"]),
-        "metric": Metric.parse(question["metric"] or Metric.RMS),
-    }
-
-
-def _make_judge_of_structure(
-    structure: Structure | None,
-    question: Mapping[str, Any],
-    numbers: Mapping[str, StatedValue],
-    filters: "Mapping[str, LowPass]",
-) -> Judge:
-    model, shared = question["model"], _read_shared(question)
-    values_of_model = {} if model is None else values_of_structure(model.test.structure)
-    values = {**values_of_structure(structure), **numbers}
-    confidence = 0.95 if question["confidence"] is None else float(question["confidence"])
+        frame, shared = None, _read_shared(question)
+        shared["confidence"] = 0.95 if question["confidence"] is None else float(question["confidence"])
+        values = values_of_structure(structure) | numbers
+        values_of_model = values_of_structure(None if model is None else model.test.structure)
+    else:
+        frame, shared = _read_frame(structure, question)
 
     def judge(channels: FileReading, test: Test) -> AnyAssessment:
-        recording = channels.read(test)
+        recording = channels.read(test, several=frame is not None and frame.has_several)
         low_passes = channels.filters(filters, recording.stated)
-        stated_values = collect_stated_values(
-            recording, values | delays_of_filters(low_passes), values_of_model
-        )
-        complete = {
-            "xi": _ASSUMED_DAMPING,
-            **dict.fromkeys(("alpha", "scale"), StatedValue(1.0)),
-            "feedback_lag": StatedValue(0.0),
-            **stated_values,
-        }
+        delays = delays_of_filters(low_passes)
+        if frame is not None:
+            stated = {**recording.stated, **numbers}
+            require_sound(stated)
+            corrected = correct_recording(recording, stated, low_passes)
+            return assess_recording(corrected, frame, stated=stated | delays, **shared)
+        stated = collect_stated_values(recording, values | delays, values_of_model)
+        assumed = () if "xi" in stated else (_DAMPING_WARNING,)
+        stated = _USUAL_VALUES | stated
         return assess_recording(
-            correct_recording(recording, complete, low_passes),
-            structure_of(complete),
-            stated=complete,
-            confidence=confidence,
+            correct_recording(recording, stated, low_passes),
+            structure_of(stated),
+            stated=stated,
             model=model,
-            assumed=() if "xi" in stated_values else (_DAMPING_WARNING,),
+            assumed=assumed,
             **shared,
         )
 
     return judge
 
 
-def _make_judge_of_frame(
-    structure: "FrameUnderTest | str | Path",
-    question: Mapping[str, Any],
-    numbers: Mapping[str, StatedValue],
-    filters: "Mapping[str, LowPass]",
-) -> Judge:
+def _read_frame(
+    structure: "FrameUnderTest | str | Path", question: Mapping[str, Any]
+) -> "tuple[FrameUnderTest, dict[str, Any]]":
+    """Read a frame that is judged, and what it is judged by; refuse what its tests cannot answer."""
     from reliab.assessment.frame_test import require_answerable
     from reliab.simulation.frames.frame_file import read_structure
 
@@ -236,20 +209,26 @@ def _make_judge_of_frame(
         **{name: question[name] is not None for name in ("criterion", "specimen")},
         force_channel=shared["force_channel"] is not None,
     )
+    return frame, shared
 
-    def judge(channels: FileReading, test: Test) -> AnyAssessment:
-        recording = channels.read(test, several=frame.has_several)
-        low_passes = channels.filters(filters, recording.stated)
-        stated_values = {**recording.stated, **numbers}
-        require_sound(stated_values)
-        return assess_recording(
-            correct_recording(recording, stated_values, low_passes),
-            frame,
-            stated={**stated_values, **delays_of_filters(low_passes)},
-            **shared,
-        )
 
-    return judge
+def _read_shared(question: Mapping[str, Any]) -> dict[str, Any]:
+    """Read what one mass and frames are judged by alike."""
+    if question["criterion"] is not None:
+        reason = "together with `criterion`, which states its own"
+        refuse_stated(question, "threshold", "confidence", "metric", reason=reason)
+    specimen = question["specimen"]
+    is_measured = require_known_specimen(specimen, has_model=question["model"] is not None)
+    if question["force_channel"] is not None and not is_measured:
+        raise refuse_unused("force_channel", "unless the `specimen` is measured")
+    return {
+        **{name: question[name] for name in ("criterion", "motion", "force_channel")},
+        "equipment": choose_equipment(question["equipment"], exact=question["exact"]),
+        "measured_specimen": is_measured,
+        "linear_specimen": specimen == LINEAR,
+        "threshold": parse_threshold(question["threshold"]),
+        "metric": Metric.parse(question["metric"] or Metric.RMS),
+    }
 
 
 def compare(

@@ -111,7 +111,10 @@ class FileReading:
                     remedy="Give the file of the frame with `structure`",
                 )
             return test
-        self._require_sound(test)
+        if self.rate is not None:
+            require_physical("sampling rate", float(self.rate), label="value of `rate`")
+        if is_frame(test):
+            refuse_stated(vars(self), "delimiter", "test_name", reason="together with a data frame")
         arguments = {**vars(self)}
         return read_recording(
             test if is_frame(test) else find_test(test),
@@ -131,13 +134,6 @@ class FileReading:
             time_units=self.time_units,
             delimiter=self.delimiter,
         )
-
-    def _require_sound(self, test: Test) -> None:
-        """Refuse a rate that is none, and what a data frame does not have."""
-        if self.rate is not None:
-            require_physical("sampling rate", float(self.rate), label="value of `rate`")
-        if is_frame(test):
-            refuse_stated(vars(self), "delimiter", "test_name", reason="together with a data frame")
 
 
 Judge: TypeAlias = "Callable[[FileReading, Test], AnyAssessment]"
