@@ -1,8 +1,9 @@
 """An argument of a question, declared once: type, unit, line of help, panel of the help, completion.
 
 A question is a `TypedDict` whose fields are `Annotated[type, option(…)]` and whose docstring has a line for
-each; questions share fields by deriving from groups. The command's options, and the signature and docstring
-of the Python function, follow from it.
+each; questions share fields by deriving from groups. `single` makes one of an argument that no group holds,
+such as the file to write. The command's options, and the signature and docstring of the Python function,
+follow from it.
 
 Each function takes the beginning of a word; what it needs is imported when the shell asks. If a file may
 stand in place of a name, an empty word is left to the shell, which offers files.
