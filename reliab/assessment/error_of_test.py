@@ -131,8 +131,7 @@ class Question:
     def may_have_yielded(self, recording: Recording) -> bool:
         """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
         return (
-            not recording.has_several
-            and self.linear
+            self.linear
             and not self.linear_specimen
             and recording.force is None
             and self.equipment.yielding > 0.0

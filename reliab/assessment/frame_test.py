@@ -36,7 +36,7 @@ def fit_to_frame(
     require_answerable(
         frame,
         criterion=criterion is not None,
-        specimen=question.measured_specimen or question.linear_specimen,
+        specimen=question.measured_specimen,
         force_channel=question.force_channel is not None,
         measured_specimen=question.measured_specimen,
     )

@@ -89,14 +89,18 @@ class InferredError:
         world = experiment_at(self.posterior.circumstances, (), np.zeros(0))
         return np.asarray(self.test.on_record(self.test.solve(world))[1, 0])
 
-    def log_evidence_ratio(self, specimen: SteppedEffect, histories: Histories) -> float:
+    def log_evidence_ratio(self, specimen: Sequence[SteppedEffect], histories: Histories) -> float:
         """Logarithm of how much likelier the channels are with another specimen than with a linear one.
 
-        `histories`: of the displacement that it was moved by.
+        `specimen`: an effect for each interface displacement; `histories`: what it was moved by.
         """
-        lost = -additional_displacement(specimen, histories.measured[0], histories.time_step)
-        slip = self.posterior.circumstances.channels.band.spectrum(lost)
-        return log_evidence_ratio(self.posterior, slip[np.newaxis])
+        motion = np.ascontiguousarray(histories.carry @ histories.measured)
+        lost = [
+            -additional_displacement(effect, displacement, histories.time_step)
+            for effect, displacement in zip(specimen, motion, strict=True)
+        ]
+        slip = self.posterior.circumstances.channels.band.spectrum(np.stack(lost))
+        return log_evidence_ratio(self.posterior, slip)
 
     def widenings(self, metric: Metric, place: int = 0) -> tuple[Widening, ...]:
         """Return what widens the interval of a displacement, by shares of the variance of its error."""

@@ -14,13 +14,13 @@ from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.inference.rebuilt import error_of_command
 from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
-from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.yielding_sweep import (
     errors_with_specimens,
     yielding_specimen,
 )
 from reliab.assessment.verdict import CERTAIN, Doubt, Verdict, Word, word_of_probability
+from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import Metric
@@ -119,16 +119,11 @@ def _turning_value(quantity: str, smallest: float | None) -> str:
 
 
 def examine_turning(error: ErrorOfTest, recording: Recording, question: Question) -> Turning:
-    """Find what would turn the verdict; nothing is asked of a model, or where all is taken as exact.
-
-    With several actuators only the skew of a slow recording is asked about.
-    """
+    """Find what would turn the verdict; nothing is asked of a model, or where all is taken as exact."""
     if question.equipment.is_exact or question.model is not None:
         return Turning()
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
-    if recording.has_several:
-        return Turning(doubt_of_skew=doubt_of_skew)
     is_known = recording.force is not None or question.linear_specimen
     yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)
     hardening = {} if is_known else errors_of_hardenings(error.rebuilt, question.metric)
@@ -154,10 +149,10 @@ def _odds(
     """
     if error.inferred is None or word_of_probability(error.probability) is not Word.RELIABLE:
         return np.inf
-    peak = largest_displacement(error.rebuilt)
+    peaks = _peaks(error.rebuilt)
     specimens = [
-        *(yielded(peak, ductility) for ductility, size in yielding.items() if size >= error.threshold),
-        *(hardening_specimen(peak, part) for part, size in hardening.items() if size >= error.threshold),
+        *(yielded(peaks, ductility) for ductility, size in yielding.items() if size >= error.threshold),
+        *(hardened(peaks, part) for part, size in hardening.items() if size >= error.threshold),
     ]
     prior_odds = share / (1.0 - share) / max(len(yielding) + len(hardening), 1) if share < 1.0 else np.inf
     ratios = [error.inferred.log_evidence_ratio(specimen, error.rebuilt.histories) for specimen in specimens]
@@ -180,14 +175,22 @@ def _errors_if_filtered(error: ErrorOfTest) -> dict[float, float]:
 
     A filter delays the motions of a test; on the command it acts against one on the measured channel.
     """
-    rebuilt, histories, displacement = error.rebuilt, error.rebuilt.histories, error.displacements[0]
-    rate = np.gradient(histories.measured[0], histories.time_step)
-    response = error_of_command(rebuilt.structure, rebuilt.inferred.band, rate)[0]
+    rebuilt, histories = error.rebuilt, error.rebuilt.histories
+    rates = np.gradient(histories.carry @ histories.measured, histories.time_step, axis=1)
+    responses = error_of_command(rebuilt.structure, rebuilt.inferred.band, rates)
     nearer = max if error.estimate(error.metric).value < error.threshold else min
 
     def size(late: float) -> float:
-        changed_error = displacement.smooth_error + late * (rate - response)
-        return relative_error(changed_error, displacement.reference + late * response, error.metric)
+        sizes = (
+            relative_error(
+                degree.smooth_error + late * (rate - response),
+                degree.reference + late * response,
+                error.metric,
+            )
+            for degree, rate, response in zip(error.displacements, rates, responses, strict=True)
+            if degree.judged
+        )
+        return max(sizes, default=0.0)
 
     delays = {corner: LowPass(corner=corner).delay for corner in CORNERS}
     return {corner: nearer(size(late), size(-late)) for corner, late in delays.items()}
@@ -207,8 +210,7 @@ def errors_of_ductilities(
     rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
 ) -> dict[float, float]:
     """Errors if the specimen yielded to each ductility, with all else as stated."""
-    peak = _largest(_thin_histories(rebuilt))
-    specimens = [yielded(peak, ductility) for ductility in ductilities]
+    specimens = [yielded(_peaks(rebuilt), ductility) for ductility in ductilities]
     return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
 
 
@@ -216,36 +218,34 @@ def errors_of_hardenings(
     rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
 ) -> dict[float, float]:
     """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
-    peak = _largest(_thin_histories(rebuilt))
-    specimens = [hardening_specimen(peak, hardening) for hardening in hardenings]
+    specimens = [hardened(_peaks(rebuilt), hardening) for hardening in hardenings]
     return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
 
 
-def yielded(peak: float, ductility: float) -> SteppedEffect:
-    """Return a specimen that yields at a largest displacement [m] over a ductility."""
-    return yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS)
+def yielded(peaks: Array, ductility: float) -> list[SteppedEffect]:
+    """Return a specimen that yields at its largest displacements [m], shape (p,), over a ductility."""
+    return [yielding_specimen(peak / ductility, _HARDENING, _SHARPNESS) for peak in peaks.tolist()]
 
 
-def hardening_specimen(peak: float, hardening: float) -> SteppedEffect:
-    """Return a specimen whose force at a largest displacement [m] exceeds the linear one by a share of it."""
-    return CubicStiffness(cubic_n_per_m3=hardening / peak**2)
+def hardened(peaks: Array, hardening: float) -> list[SteppedEffect]:
+    """Return a specimen whose force at its largest displacements [m] exceeds the linear one by a share."""
+    return [CubicStiffness(cubic_n_per_m3=hardening / peak**2) for peak in peaks.tolist()]
 
 
-def largest_displacement(rebuilt: RebuiltError) -> float:
-    """Largest measured displacement of a test [m]."""
-    return _largest(_thin_histories(rebuilt))
+def _peaks(rebuilt: RebuiltError) -> Array:
+    """Largest interface displacements [m], shape (p,); 1 m of one that stands still, which never yields."""
+    histories = rebuilt.histories
+    peaks = np.abs(histories.carry @ histories.measured).max(axis=1)
+    return np.where(peaks > 0.0, peaks, 1.0)
 
 
-def _thin_histories(rebuilt: RebuiltError) -> Histories:
-    return rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
-
-
-def _largest(histories: Histories) -> float:
-    """Largest measured displacement [m]; 1 m of a specimen that stands still, which never yields."""
-    return float(np.abs(histories.measured).max()) or 1.0
-
-
-def _errors(rebuilt: RebuiltError, metric: Metric, specimens: Sequence[SteppedEffect]) -> list[float]:
-    square, largest, ideal = errors_with_specimens(specimens, _thin_histories(rebuilt), rebuilt.structure).T
+def _errors(
+    rebuilt: RebuiltError, metric: Metric, specimens: Sequence[Sequence[SteppedEffect]]
+) -> list[float]:
+    """Largest error of the judged displacements with each specimen."""
+    thin = rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
+    judged = [place for place, degree in enumerate(rebuilt.displacements) if degree.judged]
+    statistics = errors_with_specimens(specimens, thin, rebuilt.structure)[:, judged]
+    square, largest, ideal = np.moveaxis(statistics, -1, 0)
     errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
-    return [float(error) for error in errors]
+    return [float(error) for error in errors.max(axis=1, initial=0.0)]

@@ -206,7 +206,8 @@ def _read_frame(
     require_answerable(
         frame,
         measured_specimen=shared["measured_specimen"],
-        **{name: question[name] is not None for name in ("criterion", "specimen")},
+        criterion=question["criterion"] is not None,
+        specimen=shared["measured_specimen"],
         force_channel=shared["force_channel"] is not None,
     )
     return frame, shared

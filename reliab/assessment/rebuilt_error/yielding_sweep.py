@@ -7,7 +7,8 @@ yielding. Subtracting the equations of motion as `rebuild` does leaves ::
 
 the same recursion with a second input, and no ground motion is needed; a specimen that hardens loses less
 than nothing. The response x_c − e at a sample
-depends on the input there by (ω₀h)²/6 only, which two corrections take away.
+depends on the input there by (ω₀h)²/6 only, which two corrections take away. Each of several interface
+displacements loses a displacement of its own.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ import numpy as np
 
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.recursion import Recursion, advance
-from reliab.core.arrays import Array, read_only
+from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 from reliab.effects.effect import Setting, SteppedEffect
 from reliab.effects.hysteresis import Hysteresis
@@ -42,51 +43,50 @@ def yielding_specimen(displacement: float, hardening: float, sharpness: float) -
 def additional_displacement(specimen: SteppedEffect, motion: Array, time_step: float) -> Array:
     """Return what the force of a specimen adds to k_e x under a motion [m], over k_e [m], shape (n,)."""
     answer = np.empty(motion.size)
-    setting = Setting(step=time_step)
-    _run_specimen(specimen.kernel.address, specimen.coefficients(setting), motion, answer)
+    _run_specimen(specimen.kernel.address, specimen.coefficients(Setting(step=time_step)), motion, answer)
     return answer
 
 
 @compiled
 def _run_specimen(address: int, coefficients: Array, motion: Array, answer: Array) -> None:
-    displacement, state = np.zeros(3), np.zeros(4)
+    state, scratch = np.zeros(4), np.zeros(3)
     for i in range(motion.size):
-        displacement[0] = motion[i]
-        answer[i] = call_kernel(
-            address, pointer_to(displacement, 0), 0.0, 1.0, pointer_to(coefficients, 0), pointer_to(state, 0)
-        )
+        _force(address, coefficients, motion[i : i + 1], state, answer[i : i + 1], scratch)
 
 
 def errors_with_specimens(
-    specimens: Sequence[SteppedEffect], histories: Histories, structure: Partition
+    specimens: Sequence[Sequence[SteppedEffect]], histories: Histories, structure: Partition
 ) -> Array:
-    """Mean square of x_m − x_I [m²], its peak and that of x_I [m] with each specimen, all else as stated.
+    """Mean square of x_m − x_I [m²], its peak and that of x_I [m], all else as stated.
 
-    Each gives what its force adds to k_e x, over k_e [m]; all are of one kind.
+    Returns them for each specimen and interface displacement, shape (specimens, p, 3). A specimen is an
+    effect for each interface displacement, which gives what s adds to x there [m]; all are of one kind.
     """
     recursion = Recursion.from_displacement(structure, histories.time_step, slips=True)
-    coefficients = [specimen.coefficients(Setting(step=histories.time_step)) for specimen in specimens]
+    setting, degrees = Setting(step=histories.time_step), structure.degrees
+    coefficients = [[effect.coefficients(setting) for effect in specimen] for specimen in specimens]
+    command, measured = (histories.carry @ rows for rows in (histories.command, histories.measured))
     arguments = (
-        *recursion.matrices[:3],
-        read_only(np.ascontiguousarray(recursion.output[0])),
-        float(recursion.feed_through[0, 0]),
-        specimens[0].kernel.address,
-        np.stack(coefficients),
-        recursion.static @ np.array([histories.standing[0], 0.0]),
-        histories.command[0],
-        histories.measured[0],
-        histories.fed_back[0],
+        (0,) * (2 * degrees),
+        *recursion.matrices,
+        specimens[0][0].kernel.address,
+        np.array(coefficients, dtype=np.float64),
+        recursion.static @ np.append(histories.standing, np.zeros(degrees)),
+        np.ascontiguousarray(command),
+        np.ascontiguousarray(measured),
+        np.ascontiguousarray(histories.fed_back),
     )
     return np.asarray(_sweep(*arguments))
 
 
 @compiled
 def _sweep(
+    inputs: tuple[int, ...],
     transition: Array,
     early: Array,
     late: Array,
     output: Array,
-    feed_through: float,
+    feed_through: Array,
     address: int,
     coefficients: Array,
     initial_state: Array,
@@ -94,75 +94,78 @@ def _sweep(
     measured_displacement: Array,
     fed_back: Array,
 ) -> Array:
-    """Statistics of specimens, shape (specimens, 3); the second input is slip."""
-    size, answer = command.size, np.empty((len(coefficients), 3))
-    scratch, motion = np.empty(initial_state.size), np.zeros(3)
-    driving = np.zeros((2, 2))
+    """Statistics of specimens, shape (specimens, p, 3); the second half of the inputs is slip."""
+    degrees, size = command.shape
+    answer = np.zeros((len(coefficients), degrees, 3))
+    scratch, driving = np.empty(initial_state.size), np.zeros((2 * degrees, 2))
+    linear, exact, forces, motion = np.empty(degrees), np.empty(degrees), np.empty(degrees), np.zeros(3)
+    slips = np.ascontiguousarray(late[:, degrees:])
+    no_gain, gain = np.zeros((degrees, degrees)), output @ slips
     for number in range(len(coefficients)):
-        square, largest, ideal, slip = 0.0, 0.0, 0.0, 0.0
-        vector = initial_state.copy()
-        test, response, trial = np.zeros(4), np.zeros(4), np.zeros(4)
-        gain, base = 0.0, number * coefficients.shape[1]
+        parameters = coefficients[number].copy().reshape(-1)
+        vector, slip = initial_state.copy(), np.zeros(degrees)
+        test, response, trial = np.zeros(4 * degrees), np.zeros(4 * degrees), np.zeros(4 * degrees)
         for i in range(size):
-            driving[0, 0], driving[1, 0] = driving[0, 1], slip
-            driving[0, 1] = fed_back[i]
-            motion[0] = command[i] - fed_back[i]
-            force = call_kernel(
-                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, base), pointer_to(test, 0)
-            )
+            for k in range(degrees):
+                driving[k, 0], driving[degrees + k, 0] = driving[k, 1], slip[k]
+                driving[k, 1] = fed_back[k, i]
+                exact[k] = command[k, i] - fed_back[k, i]
+            _force(address, parameters, exact, test, forces, motion)
             if i > 0:
-                advance((0, 0), transition, early, late, driving, 1, vector, scratch)
-                gain = _gain(output, late)
-            error = feed_through * fed_back[i]
-            for column in range(vector.size):
-                error += output[column] * vector[column]
-            slip = _slip(
-                address, coefficients, base, motion, command[i] - error, gain, slip, force, response, trial
-            )
-            error += gain * slip
-            for column in range(vector.size):
-                vector[column] += late[column, 1] * slip * min(i, 1)  # the first sample begins the test
-            exact = command[i] - error
-            deviation = measured_displacement[i] - exact
-            square += (0.5 if i in (0, size - 1) else 1.0) * deviation * deviation
-            largest, ideal = max(largest, abs(deviation)), max(ideal, abs(exact))
-        answer[number, 0], answer[number, 1], answer[number, 2] = square / (size - 1), largest, ideal
+                advance(inputs, transition, early, late, driving, 1, vector, scratch)
+            for k in range(degrees):
+                linear[k] = command[k, i]
+            _add(feed_through, driving[:, 1], -1.0, linear)
+            _add(output, vector, -1.0, linear)
+            for _ in range(_CORRECTIONS):
+                _subtract(linear, gain if i > 0 else no_gain, slip, exact)
+                trial[:] = response
+                _force(address, parameters, exact, trial, slip, motion)
+                for k in range(degrees):
+                    slip[k] -= forces[k]  # s[x_m] − s[x_c − e]
+            response[:] = trial
+            _subtract(linear, gain if i > 0 else no_gain, slip, exact)
+            if i > 0:  # the first sample begins the test
+                _add(slips, slip, 1.0, vector)
+            share = (0.5 if i in (0, size - 1) else 1.0) / (size - 1)
+            for k in range(degrees):
+                deviation = measured_displacement[k, i] - exact[k]
+                answer[number, k, 0] += share * deviation * deviation
+                answer[number, k, 1] = max(answer[number, k, 1], abs(deviation))
+                answer[number, k, 2] = max(answer[number, k, 2], abs(exact[k]))
     return answer
 
 
 @compiled
-def _gain(output: Array, late: Array) -> float:
-    """Error at a sample by one unit of slip there [-]."""
-    total = 0.0
-    for column in range(output.size):
-        total += output[column] * late[column, 1]
-    return total
+def _add(matrix: Array, values: Array, factor: float, result: Array) -> None:
+    """Add a factor times a matrix times values, in place."""
+    for row in range(matrix.shape[0]):
+        for column in range(matrix.shape[1]):
+            result[row] += factor * matrix[row, column] * values[column]
 
 
 @compiled
-def _slip(
-    address: int,
-    coefficients: Array,
-    base: int,
-    motion: Array,
-    linear_displacement: float,
-    gain: float,
-    slip: float,
-    force: float,
-    state: Array,
-    trial: Array,
-) -> float:
-    """s[x_m] − s[x_c − e] at a sample [m], from that before it; moves the state of the response."""
-    for _ in range(_CORRECTIONS):
-        for place in range(state.size):
-            trial[place] = state[place]
-        motion[0] = linear_displacement - gain * slip
-        slip = (
-            call_kernel(
-                address, pointer_to(motion, 0), 0.0, 1.0, pointer_to(coefficients, base), pointer_to(trial, 0)
-            )
-            - force
+def _subtract(values: Array, matrix: Array, others: Array, result: Array) -> None:
+    """Write values less a matrix times others."""
+    result[:] = values
+    _add(matrix, others, -1.0, result)
+
+
+@compiled
+def _force(
+    address: int, parameters: Array, displacements: Array, state: Array, forces: Array, motion: Array
+) -> None:
+    """Move a specimen to its next displacements [m], shape (p,), and write its forces over k_e.
+
+    `motion`: three zeros to write in.
+    """
+    for k in range(displacements.size):
+        motion[0] = displacements[k]
+        forces[k] = call_kernel(
+            address,
+            pointer_to(motion, 0),
+            0.0,
+            1.0,
+            pointer_to(parameters, k * (parameters.size // displacements.size)),
+            pointer_to(state, 4 * k),
         )
-    for place in range(state.size):
-        state[place] = trial[place]
-    return slip
