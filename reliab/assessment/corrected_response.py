@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.alignment import own_ground
+from reliab.assessment.assessment import Assessment
 from reliab.assessment.exact_response import (
     ExactResponse,
     ExactTest,
     exact_test,
 )
-from reliab.assessment.findings import Findings
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import weights_of_storeys
 from reliab.assessment.rebuilt_error.spread import HALF_WIDTH
@@ -47,12 +47,12 @@ _NOT_ITS_MOTION = (
 )
 
 
-def correct_response(findings: Findings | FrameAssessment) -> "xr.Dataset":
+def correct_response(assessment: Assessment | FrameAssessment) -> "xr.Dataset":
     """Put the response that a perfect actuator would have produced into a dataset.
 
     Parameters
     ----------
-    findings : Assessment or FrameAssessment
+    assessment : Assessment or FrameAssessment
         What was found about a test.
 
     Returns
@@ -79,22 +79,22 @@ def correct_response(findings: Findings | FrameAssessment) -> "xr.Dataset":
     """
     import xarray as xr
 
-    test = _exact_test(findings)
+    test = _exact_test(assessment)
     ground = own_ground(test)
     table = _ResponseTable(
         test=test,
         ground=ground,
-        has_names=findings.error.has_several,
-        only_displacements=findings.error.modelled,
-        has_forces=not isinstance(findings, Findings) or "mass" in findings.stated,
+        has_names=assessment.error.has_several,
+        only_displacements=assessment.error.modelled,
+        has_forces=not isinstance(assessment, Assessment) or "mass" in assessment.stated,
     )
     columns, sizes = table.columns_with_bands()
     return xr.Dataset(
         {name: ("time_s", values) for name, values in columns.items()},
         coords={"time_s": np.arange(test.measured.shape[1]) * test.time_step},
         attrs={
-            "test": findings.recording.name,
-            "specimen": _SPECIMENS[findings.error.specimen_known],
+            "test": assessment.recording.name,
+            "specimen": _SPECIMENS[assessment.error.specimen_known],
             "note": " ".join(_notes(test, ground)),
             **sizes,
         },
@@ -215,14 +215,14 @@ class _ResponseTable:
         return rows, sizes
 
 
-def _exact_test(findings: Findings | FrameAssessment) -> ExactTest:
+def _exact_test(assessment: Assessment | FrameAssessment) -> ExactTest:
     """Say what a test should have been; not of a calibrated model's."""
-    if isinstance(findings, FrameAssessment):
+    if isinstance(assessment, FrameAssessment):
         return exact_test(
-            findings.error, findings.frame.partition.degrees_of_freedom, findings.recording.ground
+            assessment.error, assessment.frame.partition.degrees_of_freedom, assessment.recording.ground
         )
-    unit = findings.error.specimen is None and "mass" in findings.stated
-    return exact_test(findings.error, (), None, findings.stated["mass"].value if unit else 1.0)
+    unit = assessment.error.specimen is None and "mass" in assessment.stated
+    return exact_test(assessment.error, (), None, assessment.stated["mass"].value if unit else 1.0)
 
 
 def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:

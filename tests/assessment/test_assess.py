@@ -8,8 +8,8 @@ from reliab_studies.validation.beyond_the_model import Rig, rigs_of_delay
 from scipy.interpolate import CubicSpline
 
 from reliab.assessment.assess import assess
+from reliab.assessment.assessment import improvement
 from reliab.assessment.default_criterion import default_criterion
-from reliab.assessment.findings import improvement
 from reliab.assessment.own_motion import OwnBoundary
 from reliab.assessment.placement import LARGEST_PROBABILITY, scale_limits
 from reliab.core.vocabulary import Metric, Side

@@ -8,8 +8,8 @@ import pytest
 from coupled_structures import ideal_response
 
 from reliab.assessment.assess import assess
+from reliab.assessment.assessment import Assessment
 from reliab.assessment.checks import CHECKS, check_stability, moves_at_resonance
-from reliab.assessment.findings import Findings
 from reliab.assessment.tracking_index import track
 from reliab.assessment.verdict import Doubt, Verdict, Word
 from reliab.core.shipped import shipped
@@ -37,7 +37,7 @@ def motion_case(simulate, ground_motions):
 def stability_case(simulate, ground_motions):
     del ground_motions
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Findings, "stability_margin", -0.1)
+        patch.setattr(Assessment, "stability_margin", -0.1)
         return assess(simulate(noise=0.001, delay=1e-4, gain=0.999), ONE_HERTZ)
 
 
