@@ -154,7 +154,7 @@ def assess(
         from reliab.assessment.frame_test import fit_to_frame
 
         recording, question = fit_to_frame(recording, question, criterion)
-    elif _shows_nonlinear_specimen(recording, question):
+    if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
     _require_judgeable(recording, question)
     if criterion is None and question.frame is None:
@@ -179,9 +179,11 @@ def assess(
 
 
 def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
-    """Whether a specimen of which nothing is stated is nonlinear by its recorded force."""
+    """Whether a specimen of which nothing is stated, and which can be learned, is nonlinear by its force."""
     is_open = question.linear and not (question.linear_specimen or question.equipment.is_exact)
-    if not is_open or "mass" not in question.stated or recording.has_several:
+    frame = question.frame
+    has_masses = "mass" in question.stated if frame is None else not frame.partition.specimen_mass.any()
+    if not is_open or not has_masses or recording.force is None:
         return False
     return bool(looks_nonlinear(remove_spikes(recording)[0], question.structure))
 
@@ -244,9 +246,7 @@ def _judge(
     if tracking is not None and faults:
         tracking = track(sound, seed=question.seed)
     asked = question if has_damping else _broaden_damping(question)
-    nonlinear = ""
-    if question.frame is None and question.linear:
-        nonlinear = looks_nonlinear(sound, question.structure)
+    nonlinear = looks_nonlinear(sound, question.structure) if question.linear else ""
     error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
     equation = OwnEquation(notes=error.ground.notes, doubts=error.ground.doubts)
     if (posterior := error.posterior) is not None:

@@ -430,10 +430,10 @@ def _true_channels(recording: Recording, question: Question) -> Recording:
 
 
 def _channel_of_force(recording: Recording, question: Question) -> Array | None:
-    """Return the recorded force [N], of a specimen that is taken as linear over the mass [N/kg], if known."""
+    """Return the recorded force [N], of one mass with a linear specimen over the mass [N/kg], if known."""
     if recording.force is None or question.model is not None:
         return None
-    if question.measured_specimen:
+    if question.measured_specimen or question.frame is not None:
         return recording.force
     return None if question.mass is None else recording.force / question.mass
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.verdict import Word
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 
@@ -84,3 +86,27 @@ def test_the_ground_acceleration_is_compared_beside_any_specimen(sign: float) ->
     assert shown.sign == sign
     with pytest.raises(InputError, match="does not fit its unit"):
         assess(replace(test.recording, ground=ground / 9.80665), test.frame, measured_specimen=True)
+
+
+@pytest.mark.parametrize(("family", "known"), [("bilinear", "measured"), ("linear", "stated")])
+def test_a_recorded_force_shows_by_itself_whether_the_specimen_is_linear(family: str, known: str) -> None:
+    test = _simulate_family(family, 1)
+    found = assess(test.recording, test.frame, equipment=ordinary_equipment())
+    size = found.error.estimate(Metric.RMS)
+    assert found.error.specimen_known == known
+    assert size.low < test.error < size.high
+    if known == "stated":
+        without = assess(replace(test.recording, force=None), test.frame, equipment=ordinary_equipment())
+        other = without.error.estimate(Metric.RMS)
+        assert size.high - size.low < 0.9 * (other.high - other.low)
+        assert not found.turning.sentences or "No force was recorded" not in found.turning.sentences[0]
+
+
+def test_a_nonlinear_specimen_with_a_mass_is_said_and_not_learned() -> None:
+    test = _simulate_family("bilinear", 1)
+    partition = test.frame.partition
+    heavy = replace(test.frame, partition=replace(partition, specimen_mass=np.array([[1.0]])))
+    found = assess(test.recording, heavy, equipment=ordinary_equipment())
+    assert found.error.specimen_known == "stated"
+    assert found.verdict is not Word.RELIABLE
+    assert any("looks nonlinear" in reason for reason in found.reasons)

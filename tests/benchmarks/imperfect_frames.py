@@ -6,10 +6,12 @@ The frames that ship, under the real records of FOLDER, with an actuator of seco
 16 ms and has a gain 3 % off. The structure that is tested differs from the stated one, the sensor's scale
 and clock from those of the command, as in `several_actuators.py` (scales ±0.6 %): the clock by up to a
 sample of the converter (`--clock`, 1024 Hz) either way. Noise is 45 dB below the displacement. Each test is
-judged twice: with what ordinary equipment leaves unknown, and as if all were exact.
+judged with what ordinary equipment leaves unknown, also with the force of its specimen (scale, clock and
+noise as of the displacement), and as if all were exact.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ import paths  # noqa: F401 - makes the laboratories importable
 from coupled_structures import CoupledResponse, coupled_response
 from laboratory_tests import DECIBELS, THRESHOLD, argument_parser, score_verdict
 from rebuilt_error.laboratory import read_at2
+from scipy.interpolate import CubicSpline
 from several_actuators import (
     CLOCK,
     LONGEST,
@@ -38,33 +41,46 @@ from reliab.structures.partition import Partition
 FRAMES = ("benchmark_case_1", "three_storeys")
 
 
-def simulate_test(partition: Partition, ground: np.ndarray, rng: np.random.Generator) -> CoupledResponse:
-    """Test another structure than the stated one, with an actuator that leaves it stable."""
+def simulate_test(
+    partition: Partition, ground: np.ndarray, rng: np.random.Generator
+) -> tuple[CoupledResponse, np.ndarray]:
+    """Test another structure than the stated one, with an actuator that leaves it stable, and its force."""
     longest = LONGEST_LAG
     while True:
         frame = off_by_chance(partition, rng)
         try:
-            return coupled_response(frame, draw_actuators(np.eye(1), longest, rng), ground, 1.0 / RATE)
+            run = coupled_response(frame, draw_actuators(np.eye(1), longest, rng), ground, 1.0 / RATE)
+            break
         except InputError:  # unstable
             longest *= 0.7
+    path = CubicSpline(np.arange(ground.size) / RATE, run.measured, axis=1)
+    specimen = frame.specimen_stiffness, frame.specimen_damping, frame.specimen_mass
+    return run, np.sum([part @ path(path.x, order) for order, part in enumerate(specimen)], axis=0)
 
 
 def judge_test(name: str, seed: int, records: list[Path], clock: float) -> Iterator[dict[str, object]]:
     """Simulate a test and judge it with ordinary equipment, and as if all were exact."""
     frame, rng = frame_of(name, dashpots=False), np.random.default_rng([seed, FRAMES.index(name)])
     ground = read_at2(records[rng.integers(len(records))], RATE)[: int(LONGEST * RATE)]
-    run = simulate_test(frame.partition, ground, rng)
+    run, force = simulate_test(frame.partition, ground, rng)
     error = run.measured - run.reference
     true = float(np.sqrt(np.mean(error**2)) / np.abs(run.reference).max())
     read = read_by_chance(run.measured, rng, clock)[0]
     read += 10.0 ** (-DECIBELS / 20.0) * read.std() * rng.standard_normal(read.size)
+    read_force = read_by_chance(force, rng, clock)[0]
+    read_force += 10.0 ** (-DECIBELS / 20.0) * read_force.std() * rng.standard_normal(read.size)
     recording = Recording(command=run.command[0], measured=read, time_step=1.0 / RATE, name=name)
-    for equipment_name, equipment in (("ordinary equipment", ordinary_equipment()), ("all exact", None)):
-        assessment = assess(recording, frame, equipment=equipment)
+    with_force = replace(recording, force=read_force)
+    for known_as, test, equipment in (
+        ("ordinary equipment", recording, ordinary_equipment()),
+        ("with its force", with_force, ordinary_equipment()),
+        ("all exact", recording, None),
+    ):
+        assessment = assess(test, frame, equipment=equipment)
         word = str(assessment.verdict)
         yield {
             "frame": name,
-            "known": equipment_name,
+            "known": known_as,
             **score_verdict(assessment.error.estimate(Metric.RMS), true, word),
             "good_reliable": true < THRESHOLD and word == "reliable",
             "bad_refused": true > THRESHOLD and word == "not_reliable",
@@ -80,7 +96,8 @@ def main() -> None:
     table = pd.DataFrame(
         row for name in FRAMES for seed in seeds for row in judge_test(name, seed, records, options.clock)
     )
-    for (name, known_as), group in table.groupby(["frame", "known"], sort=False):
+    both = pd.concat([table, table.assign(frame="both")])
+    for (name, known_as), group in both.groupby(["frame", "known"], sort=False):
         low, middle, high = group["ratio"].quantile([0.05, 0.5, 0.95])
         counts = ", ".join(
             f"{key} {group[key].sum()}" for key in group.columns[group.columns.get_loc("held") + 1 :]
@@ -88,7 +105,7 @@ def main() -> None:
         bad = int((group["true"] > THRESHOLD).sum())
         print(
             f"{name:17} {known_as:19} {len(group):3} tests ({bad} bad), ratio {middle:.2f} ({low:.2f} to "
-            f"{high:.2f}), held {group['held'].mean():.0%}, {counts}"
+            f"{high:.2f}), width {group['width'].median():.2f}, held {group['held'].mean():.0%}, {counts}"
         )
 
 
