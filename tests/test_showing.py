@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import reliab
-from reliab.app.api.assessment import compare_assessments
+from reliab.assessment.comparison import rank_tests
 from reliab.assessment.default_criterion import default_criterion
 from reliab.core.shipped import shipped
 from reliab.recordings.reading import read_recording
@@ -36,9 +36,8 @@ def assessments(verdict):
 
 @pytest.mark.parametrize("kind", ["one", "several", "compared"])
 def test_judged_tests_show_themselves(assessments, kind):
-    answer = {"one": assessments.judged["again"], "several": assessments}.get(kind) or compare_assessments(
-        assessments
-    )
+    one = assessments.judged["again"]
+    answer = {"one": one, "several": assessments}.get(kind) or rank_tests(assessments.judged)
     rows, lines = answer.to_dataframe(), answer.summary().splitlines()
     assert list(rows["verdict"]) == ["reliable"] * len(rows)
     assert len(lines) > len(rows)

@@ -14,7 +14,6 @@ import numpy as np
 
 from reliab.app.api.assessment import (
     assess,
-    compare_assessments,
     document_of_test,
     write_corrected,
     write_tests,
@@ -25,6 +24,7 @@ from reliab.app.api.records import record as api_record
 from reliab.app.api.rigs import document_of_rig, export_rig, list_rig
 from reliab.app.api.simulation import trace_boundaries
 from reliab.assessment.assessment import Assessment
+from reliab.assessment.comparison import rank_tests
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.files import write_json_file
@@ -344,7 +344,7 @@ def compare(tests: Sequence[str], folder: str, arguments: Mapping[str, Any]) -> 
     place = Path(folder)
     with chdir(Path(tests[0]).parent), show_task("Judging the tests") as progress:
         assessments = assess([Path(test).name for test in tests], **arguments, progress=progress)
-    comparison = compare_assessments(assessments)
+    comparison = rank_tests(assessments.judged, assessments.faults)
     write_tests(comparison, place / "ranking.csv")
     write_json_file(comparison.to_dict(), place / "ranking.json")
     document = comparison_report(comparison)

@@ -271,13 +271,9 @@ def compare(
     >>> [test.file for test in compare(tests, f=1, xi=0.05).tests]
     ['data frame 2', 'data frame 1']
     """
-    return compare_assessments(assess(tests, structure, **options))
-
-
-def compare_assessments(assessments: "Assessments") -> "Comparison":
-    """Rank tests that were judged."""
     from reliab.assessment.comparison import rank_tests
 
+    assessments = assess(tests, structure, **options)
     return rank_tests(assessments.judged, assessments.faults)
 
 

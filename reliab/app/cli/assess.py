@@ -155,7 +155,8 @@ def compare(request: Request) -> None:
 
     The tests are of one structure and rig, such as one motion with each compensator.
     """
-    from reliab.app.api.assessment import assess, compare_assessments, draw_chart, write_tests
+    from reliab.app.api.assessment import assess, draw_chart, write_tests
+    from reliab.assessment.comparison import rank_tests
     from reliab.report.kinds.comparison import comparison_report, next_step
     from reliab.report.prose import words_of
     from reliab.report.terminal import print_blocks
@@ -168,7 +169,7 @@ def compare(request: Request) -> None:
             test=files[0] if len(files) == 1 and request.test_name == "all" else files,
             progress=progress,
         )
-    comparison = compare_assessments(verdicts)
+    comparison = rank_tests(verdicts.judged, verdicts.faults)
     if request.out is not None:
         write_tests(comparison, request.out)
     content = comparison.to_dict()
