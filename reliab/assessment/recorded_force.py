@@ -354,18 +354,24 @@ def _require_unit(
     stiffness_range = _FITTED_STIFFNESSES if is_stiffness_fitted else _STIFFNESSES
     least, largest = _LINEAR_STIFFNESSES if exact or (straight and linear) else stiffness_range
     if not least <= ratio <= largest:
-        raise other_unit_of_force(ratio, name)
+        raise other_unit_of_force(
+            ratio, name, is_learnable=linear and _STIFFNESSES[0] <= ratio <= _STIFFNESSES[1]
+        )
 
 
-def other_unit_of_force(ratio: float, name: str) -> InputError:
-    """Ask for the unit of a force that is a ratio of what the stated specimen makes."""
+def other_unit_of_force(ratio: float, name: str, *, is_learnable: bool = False) -> InputError:
+    """Ask for the unit of a force that is a ratio of what the stated specimen makes.
+
+    `is_learnable`: whether it may be that of a specimen that softened or hardened so much.
+    """
     unit = unit_like(ratio, tolerance=_UNIT_TOLERANCE)
+    otherwise = ". If it softened or hardened so much, state `specimen` as measured" if is_learnable else ""
     comparison = f", as {unit} would have" if unit else ""
     return InputError(
         "The recorded force does not fit the stated specimen",
         value=f"a stiffness of {significant(ratio)} times the stated one{comparison}",
         remedy="State the unit of the force in the column's name, such as force [lbf], or check mass, "
-        "frequency and share of the specimen",
+        f"frequency and share of the specimen{otherwise}",
         where=name,
     )
 

@@ -147,6 +147,19 @@ def test_a_linear_force_in_pounds_or_kilograms_is_refused(displacement, unit, wo
         assess(replace(test, force=share * unit**power * test.force), structure, **options)
 
 
+@pytest.mark.parametrize(
+    ("factor", "is_learnable"), [(0.3, True), (2.6, True), (0.005, False), (60.0, False)]
+)
+def test_a_specimen_that_softened_may_be_learned_from_its_force(displacement, factor, is_learnable):
+    test = record_test(displacement, "spring")
+    test = replace(test, force=factor * test.force)
+    with pytest.raises(InputError, match="does not fit the stated specimen") as refusal:
+        require_plausible(test, stiffness=STIFFNESS, linear=True)
+    assert ("state `specimen` as measured" in str(refusal.value)) is is_learnable
+    if is_learnable:
+        require_plausible(test, stiffness=STIFFNESS)
+
+
 @pytest.mark.parametrize("reversed_", [1.0, -1.0])
 @pytest.mark.parametrize("unit", [4.4482216, 1.0 / 4.4482216, 9.80665, 1e3])
 def test_the_ground_acceleration_tells_the_unit_of_any_force(displacement, unit, reversed_):
