@@ -195,7 +195,7 @@ def test_a_long_running_test_holds_two_stretches_and_all_of_it_at_a_quarter_of_t
         monitor.feed(command[first : first + 3000], 0.99 * command[first : first + 3000])
         assert monitor._running.kept_samples <= 2 * stretch  # noqa: SLF001
         assert monitor._running._table.shape[2] <= 4 * stretch  # noqa: SLF001
-        assert monitor._held.rows.shape[2] <= max(2 * stretch, command.size // 4)  # noqa: SLF001
+        assert monitor._held.rows.shape[1] <= max(2 * stretch, command.size // 4)  # noqa: SLF001
     assert monitor.now.samples == command.size
 
 

@@ -405,7 +405,14 @@ def error_of_test(
         sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
         resolution=question.resolution,
     )
-    ground = examine_ground(recording, readings.channels, structure, feedback_lag=lag)
+    ground = examine_ground(
+        readings.channels,
+        structure,
+        duration=recording.duration,
+        feedback_lag=lag,
+        recorded=recording.channels,
+        name=recording.name,
+    )
     left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)

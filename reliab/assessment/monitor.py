@@ -9,6 +9,7 @@ memory than a shorter one; one whose nonlinear specimen has a model is held whol
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -48,34 +49,34 @@ class HeldSamples:
     of samples that are joined to one at most.
     """
 
-    def __init__(self, actuators: int, most: int, most_joined: int) -> None:
+    def __init__(self, most: int, most_joined: int) -> None:
         self.joined, self._most, self._most_joined = 1, most, most_joined
-        self._parts, self._size = [np.zeros((2, actuators, 0))], 0
-        self._waiting = np.zeros((2, actuators, 0))  # for others with which they are joined
+        self._parts: list[Array] = []
+        self._size, self._waiting = 0, np.zeros((0, 0))  # for others with which they are joined
 
     def feed(self, rows: Array) -> None:
-        """Add the next commands and measured displacements [m], shape (2, p, k)."""
-        rows = np.concatenate([self._waiting, rows], axis=2)
-        size = rows.shape[2] // self.joined
+        """Add the next samples of all channels, shape (channels, k)."""
+        rows = np.concatenate([self._waiting, rows], axis=1) if self._parts else rows
+        size = rows.shape[1] // self.joined
         self._parts.append(_join(rows, self.joined))
-        self._waiting, self._size = rows[:, :, size * self.joined :].copy(), self._size + size
+        self._waiting, self._size = rows[:, size * self.joined :].copy(), self._size + size
         while self._size > self._most and 2 * self.joined <= self._most_joined:
             held, self._size = self.rows, self._size // 2
-            single = np.repeat(held[:, :, 2 * self._size :], self.joined, axis=2)
-            self._waiting = np.concatenate([single, self._waiting], axis=2)
+            single = np.repeat(held[:, 2 * self._size :], self.joined, axis=1)
+            self._waiting = np.concatenate([single, self._waiting], axis=1)
             self._parts, self.joined = [_join(held, 2)], 2 * self.joined
 
     @property
     def rows(self) -> Array:
-        """Commands and measured displacements so far [m], shape (2, p, n)."""
-        self._parts = [np.concatenate(self._parts, axis=2)]
+        """All channels so far, shape (channels, n)."""
+        self._parts = [np.concatenate(self._parts, axis=1)]
         return self._parts[0]
 
 
 def _join(rows: Array, count: int) -> Array:
     """Means of so many samples each, without those that are too few at the end."""
-    size = rows.shape[2] // count
-    return np.asarray(rows[:, :, : size * count].reshape(2, -1, size, count).mean(axis=3))
+    size = rows.shape[1] // count
+    return np.asarray(rows[:, : size * count].reshape(-1, size, count).mean(axis=2))
 
 
 class Monitor(RunningTest):
@@ -153,7 +154,7 @@ class Monitor(RunningTest):
             test=None if self._model is None else self._model.test,
         )
         most_joined = 1 if is_held else _COARSEST * stride
-        self._held = HeldSamples(self._partition.degrees, stretch or _MOST_HELD, most_joined)
+        self._held = HeldSamples(stretch or _MOST_HELD, most_joined)
         self._has_begun = False  # whether samples of the motion were forgotten
         self._judged: tuple[str, ...] = self._partition.names
 
@@ -172,8 +173,11 @@ class Monitor(RunningTest):
         """x_m − x_I of the stretch that is not yet forgotten, without offsets [m], shape (k,) or (p, k)."""
         return self._running.error if self._has_several else self._running.error[0]
 
-    def feed(self, command: Array, measured_displacement: Array) -> None:
-        """Add the next samples, shape (k,), or (p, k) of several; `command`, `measured_displacement` [m]."""
+    def feed(self, command: Array, measured_displacement: Array, ground: Array | None = None) -> None:
+        """Add the next samples, shape (k,), or (p, k) of several; `command`, `measured_displacement` [m].
+
+        `ground`: recorded ground acceleration [m/s²], shape (k,), with all samples or with none.
+        """
         if self._has_several and command.shape[:-1] != (self._partition.degrees,):
             raise InputError(
                 f"Commands and measured displacements must be those of {self._partition.degrees} actuators",
@@ -186,7 +190,7 @@ class Monitor(RunningTest):
             )
         require_readings(command, measured_displacement)
         rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured_displacement)])
-        self._held.feed(rows)
+        self._held.feed(np.concatenate([*rows, *([] if ground is None else [ground[np.newaxis]])]))
         begin = 0
         while begin < rows.shape[2]:
             room = max(2 * self._stretch + 1 - self._running.kept_samples, 1)
@@ -218,7 +222,8 @@ class Monitor(RunningTest):
 
     def _draw(self, draws: int) -> RebuiltError:
         """Draw the errors of the test so far."""
-        command, measured_displacement = self._held.rows
+        rows, degrees = self._held.rows, self._partition.degrees
+        command, measured_displacement = rows[:degrees], rows[degrees : 2 * degrees]
         step = self._held.joined * self.time_step
         if self._model is not None:
             return rebuild_with_specimen(
@@ -232,7 +237,8 @@ class Monitor(RunningTest):
                 draws=min(draws, DRAWS_OF_MODEL),
                 seed=self._seed,
             )
-        return rebuild(
+        rebuild_with = partial(
+            rebuild,
             command,
             measured_displacement,
             step,
@@ -244,6 +250,10 @@ class Monitor(RunningTest):
             draws=draws,
             seed=self._seed,
         )
+        try:
+            return rebuild_with(ground=rows[-1] if len(rows) > 2 * degrees else None)
+        except InputError:  # one in another unit, which is told at the end
+            return rebuild_with()
 
     @property
     def displacements(self) -> Mapping[str, Now]:

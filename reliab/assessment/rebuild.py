@@ -54,6 +54,7 @@ from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving, estim
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, ErrorDraws, Estimate
+from reliab.assessment.recorded_ground import examine_ground
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
@@ -297,6 +298,7 @@ def rebuild(
     feedback_lag: float = 0.0,
     sensor_offset: Array | float | None = None,
     resolution: float | None = None,
+    ground: Array | None = None,
     known: PriorKnowledge = EXACTLY_KNOWN,
     draws: int = DRAWS,
     seed: int = 0,
@@ -306,7 +308,7 @@ def rebuild(
     `command`, `measured_displacement` [m], shape (n,), or (p, n) of several actuators; `time_step`,
     `feedback_lag` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
     shape (p, p), the identity by default; `sensor_offset` [m], of several sensors shape (p,), NaN where it is
-    not known; `resolution` [m].
+    not known; `resolution` [m]; `ground`: recorded ground acceleration [m/s²], shape (n,).
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 
@@ -332,11 +334,17 @@ def rebuild(
         time_step,
         partition,
         to_interface=to_interface,
+        ground=ground,
         sensor_offsets=sensor_offset,
         resolution=resolution,
     )
-    require_lag(feedback_lag, readings.command.shape[1] * time_step)
+    duration = readings.command.shape[1] * time_step
+    require_lag(feedback_lag, duration)
+    shown = examine_ground(readings.channels, partition, duration=duration, feedback_lag=feedback_lag)
     circumstances = Circumstances(
-        **vars(known), partition=partition, channels=readings.channels, feedback_lag=feedback_lag
+        **vars(known),
+        partition=partition,
+        channels=replace(readings.channels, ground=shown.evidence(readings.channels.ground)),
+        feedback_lag=feedback_lag,
     )
     return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))

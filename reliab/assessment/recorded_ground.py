@@ -4,7 +4,7 @@ The equation of motion is fitted with the channel as it is recorded and reversed
 motion, in other units, and for one mass as its absolute acceleration.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -20,7 +20,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.recordings.recording import Part, Recording
+from reliab.recordings.recording import Channel, Part, Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
@@ -78,22 +78,25 @@ class ShownGround:
 
 
 def examine_ground(
-    recording: Recording,
     channels: ChannelSpectra,
     structure: Partition,
     *,
+    duration: float,
     feedback_lag: float,
+    recorded: Sequence[Channel] = (),
+    name: str = "",
 ) -> ShownGround:
     """Compare a test with its recorded ground acceleration, or say why that cannot be this test's.
 
     Where that of the specimen as stated does not explain the motion, a recorded force among the `channels`
-    takes its place; `feedback_lag` [s].
+    takes its place; `duration`, `feedback_lag` [s]; `recorded`: the columns of the test's file; `name`: what
+    the test is called.
     Raises InputError where the channel explains the motion in another unit only.
     """
     if channels.ground is None:
         return ShownGround()
     lowest = float(structure.natural_frequencies[0])
-    if recording.duration * lowest < _FEWEST_PERIODS:
+    if duration * lowest < _FEWEST_PERIODS:
         return ShownGround(notes=(_TOO_SHORT,))
     linear = _GroundFit(channels=channels, structure=structure, feedback_lag=feedback_lag)
     readings = [linear] if channels.force is None else [linear, replace(linear, by_force=True)]
@@ -114,7 +117,7 @@ def examine_ground(
         return replace(best.shown(doubt.finding), doubts=(doubt,))
     if likely.absolute:
         return best.shown(_ABSOLUTE)
-    raise other_unit_of_ground(recording, abs(likely.factor))
+    raise _other_unit(recorded, abs(likely.factor), name)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -263,10 +266,10 @@ def require_unit_of_force(
                 raise other_unit_of_force(ratio, recording.name)
 
 
-def other_unit_of_ground(recording: Recording, factor: float) -> InputError:
+def _other_unit(recorded: Sequence[Channel], factor: float, name: str) -> InputError:
     """Ask for the unit of a ground acceleration that explains the motion times a factor."""
     channel = next(
-        (candidate for candidate in recording.channels if candidate.part is Part.GROUND and candidate.unit),
+        (candidate for candidate in recorded if candidate.part is Part.GROUND and candidate.unit),
         None,
     )
     stated_unit, size = ("m/s2", 1.0) if channel is None else (channel.unit, abs(channel.factor))
@@ -283,7 +286,7 @@ def other_unit_of_ground(recording: Recording, factor: float) -> InputError:
         value=f"{stated_unit}, while the motion of the test is that of {description}",
         remedy=f"{ask} the column's name, ground_acceleration [{unit or 'm/s2'}], or in a file "
         "`channels.toml`",
-        where=recording.name,
+        where=name,
     )
 
 
@@ -327,7 +330,14 @@ def doubts_of_ground(recording: Recording, structure: Structure, mass: float) ->
         force=None if recording.force is None else recording.force[np.newaxis] / mass,
     )
     try:
-        shown = examine_ground(recording, channels, whole_structure(structure), feedback_lag=0.0)
+        shown = examine_ground(
+            channels,
+            whole_structure(structure),
+            duration=recording.duration,
+            feedback_lag=0.0,
+            recorded=recording.channels,
+            name=recording.name,
+        )
     except InputError as error:
         return (f"{error.rule}; found {error.value}. {error.remedy}.",)
     return shown.notes

@@ -69,7 +69,7 @@ def _join(first: Rows, second: Rows) -> Rows:
         pair = getattr(first, name), getattr(second, name)
         return None if pair[0] is None or pair[1] is None else np.concatenate(pair, axis=-1)
 
-    names = ("time", "command", "measured", "force", "lines")
+    names = ("time", "command", "measured", "force", "ground", "lines")
     return replace(second, **{name: follow(name) for name in names})
 
 

@@ -108,6 +108,7 @@ class Rows:
     command: Array
     measured: Array
     force: Array | None = None  # Force of the specimen [N], shape (k,); None where it is not asked for
+    ground: Array | None = None  # Ground acceleration [m/s²], shape (k,); None where it is not recorded
     stated: Mapping[str, StatedValue] = field(default_factory=dict)  # What the header states of the test
     actuators: tuple[str, ...] = ("",)  # Numbers of the channels, by rows; one without a number
     lines: NDArray[np.int64] | None = None  # Line of each row in its file, shape (k,)
@@ -125,6 +126,7 @@ class Rows:
             command=self.command[..., rows],
             measured=self.measured[..., rows],
             force=None if self.force is None else self.force[rows],
+            ground=None if self.ground is None else self.ground[rows],
             lines=None if self.lines is None else self.lines[rows],
         )
 
@@ -267,7 +269,7 @@ def _layout(header_lines: list[str], line: str, delimiter: str, request: _Reques
     recognised_channels = recognise(columns, request.stated, histories=False)
     if not request.several:
         _require_one(recognised_channels, request.name)
-    parts = {Part.TIME, *DISPLACEMENTS, *request.also}
+    parts = {Part.TIME, Part.GROUND, *DISPLACEMENTS, *request.also}
     channels = {
         (channel.part, channel.actuator): (header.names.index(channel.column), channel)
         for channel in recognised_channels
@@ -343,6 +345,7 @@ def _parse(lines: list[tuple[int, str]], layout: _Layout, name: str) -> Rows:
         command=command[0] if is_single else command,
         measured=measured_rows[0] if is_single else measured_rows,
         force=histories.get((Part.FORCE, "")),
+        ground=histories.get((Part.GROUND, "")),
         stated=layout.stated,
         actuators=layout.actuators,
         lines=np.array([number for number, _ in lines]),

@@ -227,7 +227,7 @@ class FollowedTest:
             command, measured = (
                 self.frame.straighten(np.atleast_2d(rows_of)[order]) for rows_of in (command, measured)
             )
-        monitor.feed(command, measured)
+        monitor.feed(command, measured, None if rows.ground is None else rows.ground[part])
 
     def _new_alarms(self, monitor: AnyMonitor) -> Iterator[Message]:
         """Raise the alarms that are due, at once; of reversed displacements none but that."""

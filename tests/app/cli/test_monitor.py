@@ -95,7 +95,7 @@ def test_the_end_is_the_answer_of_assess(good, options):
 
 @pytest.mark.slow
 def test_channels_of_assess_count_at_the_end(good, tmp_path):
-    """A recorded ground acceleration, which the running error does not need."""
+    """A recorded ground acceleration of another test, of which the running intervals do not become wrong."""
     lines = good.read_text(encoding="utf-8").splitlines()
     shaken = np.random.default_rng(1).normal(size=len(lines) - 1)
     rows = [f"{line},{value:.9e}" for line, value in zip(lines[1:], shaken, strict=True)]

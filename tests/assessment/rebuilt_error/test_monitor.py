@@ -4,11 +4,15 @@ import time
 
 import numpy as np
 import pytest
+from assessment.inference.simulated_loop import earthquake, simulate
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, noise, run, synthetic_ground
+from reliab.assessment.budget.sizes import ordinary_equipment
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import rebuild
 from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.structures.structure import Structure
 
 STEP = 1.0 / RATE
@@ -114,3 +118,39 @@ def test_bad_rows_are_refused():
     assert monitor.samples == 0
     with pytest.raises(InputError, match="must have a sample"):
         _ = monitor.now
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    """A test of a structure that is not quite as stated, with its ground acceleration, and its noise."""
+    test = simulate(
+        frequency=1.02,
+        damping_ratio=0.045,
+        gain=0.99,
+        delay=0.004,
+        ground=earthquake(duration=24.0, time_step=1.0 / 256.0, seed=5),
+        time_step=1.0 / 256.0,
+        noise=1e-3,
+    )
+    return test, np.random.default_rng(2).standard_normal(test.ground.size)
+
+
+@pytest.mark.parametrize("pieces", [1, 9])
+def test_a_recorded_ground_acceleration_sharpens_the_running_intervals(shaken, pieces):
+    test, white = shaken
+    known = PriorKnowledge(
+        stated={"f": StatedValue(1.0, 0.02), "xi": StatedValue(0.05, 0.01)}, equipment=ordinary_equipment()
+    )
+    channels = np.stack([test.command, test.measured, test.ground + 0.01 * white])
+
+    def ask(factor):
+        monitor = Monitor(Structure(frequency=1.0, damping_ratio=0.05), test.time_step, known=known)
+        for command, measured, ground in np.array_split(channels, pieces, axis=1):
+            monitor.feed(command, measured, None if factor is None else factor * ground)
+        return monitor.ask()
+
+    without, recorded, in_g = (ask(factor).rms for factor in (None, 1.0, 1.0 / 9.80665))
+    assert without.low < test.rms < without.high
+    assert recorded.low < test.rms < recorded.high
+    assert recorded.high - recorded.low < 0.8 * (without.high - without.low)
+    assert in_g == without  # in another unit, which is told at the end
