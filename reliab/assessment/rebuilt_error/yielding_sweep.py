@@ -119,11 +119,12 @@ def _sweep(
             _add(output, vector, -1.0, linear)
             for _ in range(_CORRECTIONS):
                 _subtract(linear, gain if i > 0 else no_gain, slip, exact)
-                trial[:] = response
+                for place in range(trial.size):
+                    trial[place] = response[place]
                 _force(address, parameters, exact, trial, slip, motion)
                 for k in range(degrees):
                     slip[k] -= forces[k]  # s[x_m] − s[x_c − e]
-            response[:] = trial
+            response, trial = trial, response
             _subtract(linear, gain if i > 0 else no_gain, slip, exact)
             if i > 0:  # the first sample begins the test
                 _add(slips, slip, 1.0, vector)
@@ -147,8 +148,10 @@ def _add(matrix: Array, values: Array, factor: float, result: Array) -> None:
 @compiled
 def _subtract(values: Array, matrix: Array, others: Array, result: Array) -> None:
     """Write values less a matrix times others."""
-    result[:] = values
-    _add(matrix, others, -1.0, result)
+    for row in range(values.size):
+        result[row] = values[row]
+        for column in range(others.size):
+            result[row] -= matrix[row, column] * others[column]
 
 
 @compiled
