@@ -113,9 +113,7 @@ def _sweep(
             _force(address, parameters, exact, test, forces, motion)
             if i > 0:
                 advance(inputs, transition, early, late, driving, 1, vector, scratch)
-            for k in range(degrees):
-                linear[k] = command[k, i]
-            _add(feed_through, driving[:, 1], -1.0, linear)
+            _subtract(command[:, i], feed_through, driving[:, 1], linear)
             _add(output, vector, -1.0, linear)
             for _ in range(_CORRECTIONS):
                 _subtract(linear, gain if i > 0 else no_gain, slip, exact)
@@ -150,7 +148,7 @@ def _subtract(values: Array, matrix: Array, others: Array, result: Array) -> Non
     """Write values less a matrix times others."""
     for row in range(values.size):
         result[row] = values[row]
-        for column in range(others.size):
+        for column in range(matrix.shape[1]):
             result[row] -= matrix[row, column] * others[column]
 
 
