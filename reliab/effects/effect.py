@@ -56,6 +56,9 @@ class Scales:
         return float(math.prod(float(getattr(self, name)) ** exponent for name, exponent in exponents))
 
 
+_ROUNDING = 1e-15  # of a dimensionless parameter, which is then zero
+
+
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """One parameter of an effect.
@@ -129,7 +132,7 @@ class Parameter:
     def value(self, coordinate: float, scales: Scales) -> float:
         """SI value at a coordinate."""
         relative = coordinate + self.neutral if self.signed else math.exp(coordinate)
-        return relative * self.unit(scales)
+        return relative * self.unit(scales) if abs(relative) > _ROUNDING else 0.0
 
     def derivative(self, coordinate: float, scales: Scales) -> float:
         """Differentiate the SI value by the coordinate."""

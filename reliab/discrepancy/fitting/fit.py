@@ -44,6 +44,11 @@ class Fit:
             (self.coordinates > lower + _BOUND_MARGIN) & (self.coordinates < upper - _BOUND_MARGIN)
         )
 
+    @cached_property
+    def basis(self) -> Array:
+        """Orthonormal directions in which free coordinates change the residual, shape (rows, free)."""
+        return np.linalg.qr(self.jacobian[:, self.free])[0]
+
     def neutralise(self, offsets: Sequence[type[Effect]]) -> "Fit":
         """Return the same model, in which the parameters of some offsets are zero."""
         coordinates = self.coordinates.copy()

@@ -16,7 +16,8 @@ from reliab.signals.noise import NoiseModel, Periodogram, converter_step, expect
 
 _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
-_RUNAWAY = 1e6  # a whitened residual that stands for a simulation that ran away
+_LARGEST = 1e20  # whitened residual from which a simulation ran away
+_RUNAWAY = 1e6  # the one that stands for it
 MOST_OF_A_TEST = 24.0
 """Largest number of observations in one test: later swings repeat the earlier ones."""
 
@@ -130,7 +131,7 @@ class Problem:
             for place, (spectrum_read, spectrum) in enumerate(zip(self._spectra, predictions, strict=True))
         ]
         rows = np.concatenate(parts)
-        return rows if np.isfinite(rows).all() else np.full(rows.size, _RUNAWAY)
+        return rows if np.abs(rows).max() < _LARGEST else np.full(rows.size, _RUNAWAY)
 
     def residuals(self, fitted_model: PlacedModel) -> dict[int, Array]:
         """Measured minus predicted channel by test."""

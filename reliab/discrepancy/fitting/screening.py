@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -41,12 +42,9 @@ def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]],
     fresh = [kind for kind in kinds if kind not in parent.space.effects]
     if not fresh:
         return []
-    basis = np.linalg.qr(parent.jacobian[:, parent.free])[0]
     sketch_residual = problem.sketch.whiten(parent.space, parent.coordinates, parent.noise)
     with ThreadPoolExecutor(_WORKERS) as pool:
-        promises = pool.map(
-            lambda kind: _screen_effect(problem, parent, sketch_residual, basis, kind, null), fresh
-        )
+        promises = pool.map(lambda kind: _screen_effect(problem, parent, sketch_residual, kind, null), fresh)
         rows = sorted(promises, key=lambda candidate: -candidate.gain)
     if not problem.flat:
         return rows
@@ -57,37 +55,34 @@ def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]],
     ]
 
 
-def gains_beside(fitted_model: Fit, residuals: Array) -> Array:
-    """Gains of log-likelihood to first order of models beside a fitted one, from their residuals.
+def gains_beside(parent: Fit, changes: Array) -> tuple[Array, Array]:
+    """Gains of log-likelihood to first order of changes of a model, and the factors that reach them.
 
-    `residuals`: shape (models, rows). What the parameters of the fitted model change, too, does not count.
+    `changes`: of the residuals, shape (changes, rows). What the parameters of the fitted model change, too,
+    does not count.
     """
-    basis = np.linalg.qr(fitted_model.jacobian[:, fitted_model.free])[0]
-    changes = residuals - fitted_model.residual
-    changes -= changes @ basis @ basis.T
-    sizes = np.maximum((changes**2).sum(axis=1), 1e-300)
-    return np.asarray(0.5 * (changes @ fitted_model.residual) ** 2 / sizes)
+    own_changes = changes - (changes @ parent.basis) @ parent.basis.T
+    sizes = np.maximum((own_changes**2).sum(axis=1), 1e-300)
+    factors = -(own_changes @ parent.residual) / sizes
+    return 0.5 * factors**2 * sizes, factors
 
 
 def _screen_effect(
-    problem: Problem, parent: Fit, sketch_residual: Array, basis: Array, kind: type[Effect], null: Fit
+    problem: Problem, parent: Fit, sketch_residual: Array, kind: type[Effect], null: Fit
 ) -> Promise:
     space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
+    starts = list(space.starts(parent.space, parent.coordinates))
+    residuals = np.stack([problem.sketch.whiten(space, start, parent.noise) for start in starts])
+    gains, factors = gains_beside(parent, residuals - sketch_residual)
+    promising = [
+        (gain, space.scale_size(start, kind, factor))
+        for start, gain, factor in zip(starts, gains.tolist(), factors.tolist(), strict=True)
+        if gain > 0.0 and (factor > 0.0 or kind.parameters[0].signed)
+    ]
     best = Promise(kind=kind, gain=0.0, start=np.zeros(0))
-    for begin in space.starts(parent.space, parent.coordinates):
-        start = begin
-        change = problem.sketch.whiten(space, start, parent.noise) - sketch_residual
-        change -= basis @ (basis.T @ change)
-        size = float(change @ change)
-        projection = -float(parent.residual @ change)
-        if size <= 0.0 or (projection < 0.0 and not kind.parameters[0].signed):
-            continue
-        gain = 0.5 * projection**2 / size
-        start = space.scale_size(start, kind, projection / size)
-        if gain > best.gain or best.start.size == 0:
-            best = Promise(kind=kind, gain=gain, start=start, others=(*best.others, start))
-        else:
-            best = replace(best, others=(*best.others, start))
+    if promising:
+        gain, start = max(promising, key=itemgetter(0))
+        best = replace(best, gain=gain, start=start, others=tuple(start for _, start in promising))
     return _screen_uncalibrated(problem, parent, sketch_residual, space, best) if parent is null else best
 
 

@@ -454,7 +454,8 @@ class Search:
 
     def _promises_gain(self, best: Fit, residuals: Sequence[Array]) -> bool:
         """Whether a special form pays its prior odds to first order, by its residuals at some starts."""
-        return bool((gains_beside(best, np.stack(residuals)) > COST).any())
+        gains, _ = gains_beside(best, np.stack(residuals) - best.residual)
+        return bool((gains > COST).any())
 
     def exchange(self, fitted_model: Fit, kind: type[Effect], other: type[Effect]) -> Fit:
         """Fit a model with another effect in the place of one, whose parameters it has."""

@@ -1,6 +1,6 @@
 """Which of all fitted models is believed: the most credible one that the held-out tests do not contradict."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence, Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from reliab.discrepancy.fitting.prior import LEAST_SHARE, MATERIAL, cost_beside_
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import MODEL_ERROR
+from reliab.discrepancy.locate import LEAST_PROBABILITY
 from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.discrepancy.result.gap import NO_CHANGE
@@ -29,8 +30,6 @@ _DRAWS, _SEED = 1000, 20
 _NEGLIGIBLE = 0.05  # probability of no effect below which something is missing for sure
 _LIKELY = 0.5  # the same where clocks may differ, which changes the parameters of the other effects
 _EXPLAINS = 0.5  # of what the best model explains of the fitted tests
-_LITTLE = 0.05  # of the error on held-out tests; all that is left out of a model may change that much
-_GENERAL = 0.2  # of the error on held-out tests, by which terms must be better than effects that have a name
 _STANDARD_ERRORS = 2.0  # within which held-out tests do not tell models apart
 _MORE_THAN_LEFT = 2.0  # energy without an effect over that with it, from which it explains more than is left
 
@@ -47,7 +46,7 @@ def ranking(search: Search, proof: Problem) -> tuple[RankedModel, ...]:
     rows = [
         RankedModel(
             fit=model,
-            probability=share,
+            probability=max(share, LEAST_PROBABILITY),
             left_out=search.error(model).nrmse,
             held_out=compute_nrmse(proof, residual),
         )
@@ -141,14 +140,19 @@ def probability(rows: Sequence[RankedModel], effect: type[Effect]) -> float:
 
 
 def _holds(row: RankedModel, effect: type[Effect]) -> bool:
-    """Whether a model holds an effect in some form: itself, a form of one kind, or a composition with it."""
+    """Whether a model holds an effect in some form."""
+    return bool(_forms_of(effect, row.fit.space.effects))
+
+
+def _forms_of(effect: type[Effect], others: Collection[type[Effect]]) -> set[type[Effect]]:
+    """Find an effect among others: itself, or else forms of one kind and compositions with it."""
     forms = {kind.label() for kind in (effect, effect.refines) if kind is not None}
-    return any(
-        kind.label() in forms
-        for other in row.fit.space.effects
+    return {effect}.intersection(others) or {
+        other
+        for other in others
         for kind in (other, other.refines, *other.members)
-        if kind is not None
-    )
+        if kind is not None and kind.label() in forms
+    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -156,48 +160,94 @@ class Choice:
     """The model that is believed."""
 
     best: RankedModel  # Which
-    sure: frozenset[type[Effect]]  # Its effects that are named
-    doubtful: frozenset[type[Effect]]  # Its effects of which one acts
+    plain: RankedModel  # The one from which effects have their names; the best one may refine it
+    sure: frozenset[type[Effect]]  # Effects of both that are named
+    doubtful: frozenset[type[Effect]]  # Effects of both of which one acts
     refining: Mapping[type[Effect], float]
-    """Its effects that explain less than they leave beside the others, with the errors without them."""
+    """Effects of the best model without a name, with the errors without them."""
     contradicted: RankedModel | None  # A more probable model that the held-out tests contradict
     unchanging: tuple[tuple[type[Effect], float, float], ...]
     """Probable effects that change nothing on held-out tests, with the errors with and without each."""
 
 
 def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choice:
-    """Take the most probable model that the held-out tests sustain, without effects that change nothing."""
-    best = find_sustained(rows)
-    if isinstance(search, ErrorSearch) and any(map(is_general, best.fit.space.effects)):
-        library_model = find_sustained(
-            [row for row in rows if not any(map(is_general, row.fit.space.effects))]
-        )
-        best = best if best.held_out < (1.0 - _GENERAL) * library_model.held_out else library_model
-    if isinstance(search, ErrorSearch):
-        best = _place_effects(search, best, proof)
-    slack = 1.0 + (_LITTLE if isinstance(search, ErrorSearch) else NO_CHANGE)
-    least = best.held_out
-    unchanging: list[tuple[type[Effect], float, float]] = []
-    while True:
-        limit = max(_least_of_rivals(search, rows, best), (1.0 + NO_CHANGE) * best.held_out)
-        idle = _idle(search, rows, best, proof, min(slack * least, limit))
-        if idle is None:
-            break
+    """Name effects of the most probable model that the held-out tests sustain, and believe what refines it.
+
+    Where no model is exact, effects have their names without terms outside the library, whose shapes they
+    would make up for. What refines that model is believed and has no name, unless it explains more than all
+    that is left: terms are an unknown effect then.
+    """
+    plain, unchanging = _simplify(search, rows, _find_plain(search, rows, proof), proof)
+    plain, sure, doubtful = _split_by_certainty(search, rows, plain)
+    nameless, weak = _weigh(search, rows, plain, proof)
+    named = (sure | doubtful) - nameless
+    best = _find_refinement(search, rows, plain, named)
+    effects = best.fit.space.effects
+    known_effects: set[type[Effect]] = {ClockOffset, StatedDamping}
+    if best is not plain and min(_energy_ratios(plain, best)) >= _MORE_THAN_LEFT:
+        nameless, weak = _weigh(search, rows, best, proof)
+        named = sure | doubtful
+        known_effects |= {kind for kind in effects if is_general(kind)}
+    sure_forms, doubtful_forms = (
+        frozenset(form for kind in kinds & named for form in _forms_of(kind, effects)) - nameless
+        for kinds in (sure, doubtful)
+    )
+    known_effects |= sure_forms | doubtful_forms
+    return Choice(
+        best=best,
+        plain=plain,
+        sure=sure_forms - weak,
+        doubtful=doubtful_forms | weak.intersection(effects),
+        refining={
+            kind: _remove_effect(search, rows, best, kind, proof).held_out
+            for kind in effects
+            if kind not in known_effects - nameless
+        },
+        contradicted=rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None,
+        unchanging=tuple(row for row in unchanging if row[0] not in effects),
+    )
+
+
+def _find_plain(search: Search, rows: Sequence[RankedModel], proof: Problem) -> RankedModel:
+    """Find the most probable model that the held-out tests sustain, without terms where no model is exact."""
+    if not isinstance(search, ErrorSearch):
+        return find_sustained(rows)
+    plain_rows = [row for row in rows if not any(map(is_general, row.fit.space.effects))]
+    return _place_effects(search, find_sustained(plain_rows), proof)
+
+
+def _simplify(
+    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
+) -> tuple[RankedModel, list[tuple[type[Effect], float, float]]]:
+    """Leave out effects that change nothing on held-out tests, all together; the errors with and without."""
+    least, unchanging = best.held_out, []
+    while (idle := _idle(search, rows, best, proof, (1.0 + NO_CHANGE) * least)) is not None:
         kind, smaller = idle
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
             unchanging.append((kind, best.held_out, smaller.held_out))
         best, least = smaller, min(least, smaller.held_out)
-    best, sure, doubtful = _split_by_certainty(search, rows, best)
-    contradicted_model = rows[0] if rows[0].held_out > (1.0 + NO_CHANGE) * best.held_out else None
-    refining, weak = _weigh(search, rows, best, proof)
-    return Choice(
-        best=best,
-        sure=frozenset(sure - set(refining) - weak),
-        doubtful=frozenset(doubtful - set(refining) | weak),
-        refining=refining,
-        contradicted=contradicted_model,
-        unchanging=tuple(unchanging),
-    )
+    return best, unchanging
+
+
+def _find_refinement(
+    search: Search, rows: Sequence[RankedModel], plain: RankedModel, named: AbstractSet[type[Effect]]
+) -> RankedModel:
+    """Find the model that predicts held-out tests, and left-out parts, better than a plain one.
+
+    It holds the named effects of that, unless it explains more of what that leaves than it leaves itself.
+    Where noise judges, evidence has said which effects a model needs.
+    """
+    if not isinstance(search, ErrorSearch):
+        return plain
+    better = [
+        row
+        for row in _explaining(rows)
+        if row.held_out < (1.0 - NO_CHANGE) * plain.held_out
+        and row.left_out <= plain.left_out
+        and (all(_holds(row, kind) for kind in named) or min(_energy_ratios(plain, row)) >= _MORE_THAN_LEFT)
+    ]
+    least = min((row.held_out for row in better), default=0.0)
+    return next((row for row in better if row.held_out <= (1.0 + NO_CHANGE) * least), plain)
 
 
 def best_rival(rows: Sequence[RankedModel], effects: Sequence[type[Effect]]) -> RankedModel | None:
@@ -254,20 +304,6 @@ def _explaining(rows: Sequence[RankedModel]) -> list[RankedModel]:
     return [row for row, square in zip(rows, squares, strict=True) if square <= limit]
 
 
-def _least_of_rivals(search: Search, rows: Sequence[RankedModel], best: RankedModel) -> float:
-    """Error on held-out tests that a model with an effect less must reach so that no other one beats it."""
-    if not isinstance(search, ErrorSearch):
-        return np.inf
-    linear = set(search.problem.block.linear)
-    most = len(set(best.fit.space.effects) - linear)
-    rivals = [
-        row.held_out
-        for row in _explaining(rows)
-        if len(set(row.fit.space.effects) - linear) < most and not any(map(is_general, row.fit.space.effects))
-    ]
-    return (1.0 + NO_CHANGE) * min(rivals, default=np.inf)
-
-
 def _place_effects(search: ErrorSearch, best: RankedModel, proof: Problem) -> RankedModel:
     """Let the likelihood say where along the block an effect acts if no part that is left out does.
 
@@ -308,11 +344,7 @@ def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
 def _idle(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
 ) -> tuple[type[Effect], RankedModel] | None:
-    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit.
-
-    Where no model is exact, a term outside the library that is hardly better than an effect of the library
-    which it makes idle is taken off in the place of that.
-    """
+    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
     smaller = {
         kind: _remove_effect(search, rows, best, kind, proof)
         for kind in best.fit.space.effects
@@ -323,61 +355,38 @@ def _idle(
         for kind, row in smaller.items()
         if row.held_out <= limit and not _is_silent(search, best, row, proof)
     }
-    if not idle:
-        return None
-    first = min(idle, key=lambda kind: idle[kind].held_out)
-    linear = search.problem.block.linear
-    if isinstance(search, ErrorSearch) and not (is_general(first) or first in linear):
-        terms = [
-            kind
-            for kind in filter(is_general, smaller)
-            if (1.0 - _GENERAL) * smaller[kind].held_out <= idle[first].held_out
-        ]
-        first = min(terms, key=lambda kind: smaller[kind].held_out, default=first)
-    return first, smaller[first]
+    return min(idle.items(), key=lambda item: item[1].held_out, default=None)
 
 
 def _weigh(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
-) -> tuple[dict[type[Effect], float], set[type[Effect]]]:
-    """Find effects that only refine a model, and a main one that is in doubt.
+) -> tuple[set[type[Effect]], set[type[Effect]]]:
+    """Find effects that are too little for a name, and a main one that is in doubt.
 
-    Where noise is left, one of several effects refines if it closes a trifle of the gap on held-out tests and
-    takes little off all that is left there, too. Nearly any effect explains some of an error that follows the
-    motion, however: there, one has a name only if it is in most models by their probability, and takes off
-    more of the energy than the effects that have a name leave together, on left-out parts as on held-out
-    tests: beside other effects in its place, too, and without those that only refine. The main one does so by
-    itself, or something of its kind acts; that one of both shows it is enough, because a limit acts in the
-    strongest tests alone. An effect that matters beside a term outside the library alone makes up for the
-    shape of that term.
+    Where noise is left, one of several effects is too little if it closes a trifle of the gap on held-out
+    tests and takes little off all that is left there, too. Nearly any effect explains some of an error that
+    follows the motion, however: there, one has a name only if it is in most models by their probability, and
+    takes off more of the energy than the effects that have a name leave together, on left-out parts as on
+    held-out tests: beside other effects in its place, too, and without those that have none. The main one
+    does so by itself, or something of its kind acts; that one of both shows it is enough, because a limit
+    acts in the strongest tests alone.
     """
     kinds = [kind for kind in best.fit.space.effects if kind not in (ClockOffset, StatedDamping)]
     smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}
     if not isinstance(search, ErrorSearch) and is_noise(search.problem, best.fit):
         return _find_trifles(search, rows, best, smaller, proof), set()
     if not kinds:
-        return {}, set()
-    likely = {kind: probability(rows, kind) >= _LIKELY for kind in kinds}
-    plain = best
-    for kind in filter(is_general, best.fit.space.effects):
-        plain = _remove_effect(search, rows, plain, kind, proof)
-    plainer = smaller
-    if plain is not best:
-        plainer = {kind: _remove_effect(search, rows, plain, kind, proof) for kind in kinds}
-    main = max(kinds, key=lambda kind: (not is_general(kind), plainer[kind].held_out))
+        return set(), set()
+    main = max(kinds, key=lambda kind: (not is_general(kind), smaller[kind].held_out))
     named, model = [*kinds], best
-    for kind in (kind for kind in kinds if kind is not main and not is_general(kind)):
-        if plain is not best and plainer[kind].held_out <= (1.0 + NO_CHANGE) * plain.held_out:
-            named.remove(kind)
-            model = _remove_effect(search, rows, model, kind, proof)
-    while len(named) > 1:
-        others = [kind for kind in named if kind is not main]
+    while others := [kind for kind in named if kind is not main]:
         ratios = {
             kind: min(
                 min(_energy_ratios(rival, model)) for rival in _rivals(search, rows, model, kind, proof)
             )
             for kind in others
         }
+        likely = {kind: probability(rows, kind) >= _LIKELY for kind in others}
         least = min(ratios, key=lambda kind: (likely[kind], ratios[kind]))
         if likely[least] and ratios[least] >= _MORE_THAN_LEFT:
             break
@@ -385,7 +394,7 @@ def _weigh(
         model = _remove_effect(search, rows, model, least, proof)
     without_main = _remove_effect(search, rows, model, main, proof)
     weak = set() if max(_energy_ratios(without_main, model)) >= _MORE_THAN_LEFT else {main}
-    return {kind: row.held_out for kind, row in smaller.items() if kind not in named}, weak
+    return set(kinds) - set(named), weak
 
 
 def _find_trifles(
@@ -394,15 +403,15 @@ def _find_trifles(
     best: RankedModel,
     smaller: Mapping[type[Effect], RankedModel],
     proof: Problem,
-) -> dict[type[Effect], float]:
+) -> set[type[Effect]]:
     """Find effects that close a trifle of the gap on held-out tests and little of what is left there.
 
-    The errors without them. The only effect of a model is no trifle, nor is one that those tests cannot show.
+    The only effect of a model is no trifle, nor is one that those tests cannot show.
     """
     worst = max(row.held_out for row in rows if not row.fit.space.effects)
     closed_energy = worst**2 - best.held_out**2
     return {
-        kind: row.held_out
+        kind
         for kind, row in smaller.items()
         if len(smaller) > 1
         and row.held_out**2 - best.held_out**2 < LEAST_SHARE * closed_energy

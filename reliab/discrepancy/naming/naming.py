@@ -23,7 +23,7 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.locate import Finding, locate
+from reliab.discrepancy.locate import LEAST_PROBABILITY, Finding, locate
 from reliab.discrepancy.naming.choice import (
     SURE,
     Choice,
@@ -143,6 +143,11 @@ class _Naming:
         return self.choice.best.fit
 
     @property
+    def plain(self) -> Fit:
+        """The model from which effects have their names."""
+        return self.choice.plain.fit
+
+    @property
     def kinds(self) -> list[type[Effect]]:
         """Effects of the believed model that may have a name."""
         return [kind for kind in self.best.space.effects if kind not in self.choice.refining]
@@ -217,9 +222,9 @@ class _Naming:
         simple = effect.refines
         if simple is None:
             return (first,)
-        simple_error = self._error(self.search.exchange(self.best, effect, simple))
+        simple_error = self._error(self.search.exchange(self.plain, effect, simple))
         if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
-            simple_error, self._error(self.best)
+            simple_error, self._error(self.plain)
         ):
             return (first if other_members or simple.label() == effect.label() else first.report_as(simple),)
         return (first, *(replace(member, error_without=simple_error) for member in other_members))
@@ -245,7 +250,7 @@ class _Naming:
         error may hold, make no other model of it.
         """
         linear = set(self.search.problem.block.linear if isinstance(self.search, ErrorSearch) else ())
-        other_effects = set(self.best.space.effects) - {effect}
+        other_effects = set(self.plain.space.effects) - {effect}
         rows_by_name: dict[str, list[RankedModel]] = {}
         for row in self.ranked:
             effects = set(row.fit.space.effects)
@@ -264,7 +269,7 @@ class _Naming:
         rival = offset_rival(self.search, self.best, effect)
         odds = offset_odds(self.best, effect)
         relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
-        shares = (relative / relative.sum()).tolist()
+        shares = np.maximum(relative / relative.sum(), LEAST_PROBABILITY).tolist()
         place = self.best.space.places(effect).start
         refitted_coordinates = refit(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
         refitted_model = replace(self.best, coordinates=refitted_coordinates)

@@ -168,11 +168,8 @@ class Gap(PlainResult):
     def conclusion(self) -> str:
         """What the sizes mean, a clause that is the same on the screen, in the JSON and in the report."""
         if self.is_noise_before and not (self.missing and self.after < (1.0 - NO_CHANGE) * self.before):
-            effect = ", and the effect does not show there" if self.missing else ""
-            return (
-                "the error of the calibrated model is at the level of the noise: there is nothing to explain"
-                f"{effect}"
-            )
+            what = "these tests cannot show the effect" if self.missing else "there is nothing to explain"
+            return f"the error of the calibrated model is at the level of the noise: {what}"
         if not self.missing:
             cause = "above the noise" if self.floor is not None else "of unknown cause"
             return f"the error is {cause}, but too small to be called an effect"

@@ -75,10 +75,11 @@ def _describe_closed_gap(diagnosis: Diagnosis) -> str:
     is_one = len(diagnosis.effects) + (diagnosis.unknown is not None) == 1
     with_effects = "With it" if is_one else "With them"
     before, after = map(write_share_of_signal, (gap.before, gap.after))
-    change = f"falls from {before} to" if gap.after < (1.0 - NO_CHANGE) * gap.before else "stays at"
+    is_shown = gap.after < (1.0 - NO_CHANGE) * gap.before
+    change = f"falls from {before} to" if is_shown else "stays at"
     of_all = (
-        f"{with_effects} the error in {gap.channel} on held-out tests {change} {after} of the "
-        f"signal{_describe_other_gaps(gap)}: {gap.conclusion}."
+        f"{'' if is_shown else 'Only the fitted tests show it. '}{with_effects} the error in {gap.channel} "
+        f"on held-out tests {change} {after} of the signal{_describe_other_gaps(gap)}: {gap.conclusion}."
     )
     worst = next(iter(gap.by_kind), None)
     if worst is None or len(gap.by_kind) == 1 or not worst.unexplained_share:
