@@ -140,18 +140,17 @@ def probability(rows: Sequence[RankedModel], effect: type[Effect]) -> float:
 
 
 def _holds(row: RankedModel, effect: type[Effect]) -> bool:
-    """Whether a model holds an effect in some form."""
-    return bool(_forms_of(effect, row.fit.space.effects))
+    """Whether a model holds an effect in some form, wherever along the block it acts."""
+    forms = {kind.label() for kind in (effect, effect.refines) if kind is not None}
+    parts = {part for kind in row.fit.space.effects for part in (kind, kind.refines, *kind.members)}
+    return not forms.isdisjoint(part.label() for part in parts if part is not None)
 
 
 def _forms_of(effect: type[Effect], others: Collection[type[Effect]]) -> set[type[Effect]]:
     """Find an effect among others: itself, or else forms of one kind and compositions with it."""
-    forms = {kind.label() for kind in (effect, effect.refines) if kind is not None}
+    forms = {effect, effect.refines} - {None}
     return {effect}.intersection(others) or {
-        other
-        for other in others
-        for kind in (other, other.refines, *other.members)
-        if kind is not None and kind.label() in forms
+        other for other in others if not forms.isdisjoint((other, other.refines, *other.members))
     }
 
 
@@ -181,7 +180,7 @@ def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choic
     plain, sure, doubtful = _split_by_certainty(search, rows, plain)
     nameless, weak = _weigh(search, rows, plain, proof)
     named = (sure | doubtful) - nameless
-    best = _find_refinement(search, rows, plain, named)
+    best, _ = _simplify(search, rows, _find_refinement(search, rows, plain, named), proof)
     effects = best.fit.space.effects
     known_effects: set[type[Effect]] = {ClockOffset, StatedDamping}
     if best is not plain and min(_energy_ratios(plain, best)) >= _MORE_THAN_LEFT:
@@ -242,9 +241,9 @@ def _find_refinement(
     better = [
         row
         for row in _explaining(rows)
-        if row.held_out < (1.0 - NO_CHANGE) * plain.held_out
-        and row.left_out <= plain.left_out
-        and (all(_holds(row, kind) for kind in named) or min(_energy_ratios(plain, row)) >= _MORE_THAN_LEFT)
+        if row.held_out < (1.0 - NO_CHANGE) * plain.held_out and row.left_out <= plain.left_out
+        if min(_energy_ratios(plain, row)) >= _MORE_THAN_LEFT
+        or all(_forms_of(kind, row.fit.space.effects) for kind in named)
     ]
     least = min((row.held_out for row in better), default=0.0)
     return next((row for row in better if row.held_out <= (1.0 + NO_CHANGE) * least), plain)
@@ -270,10 +269,11 @@ def remarks_on(choice: Choice) -> Iterator[str]:
             f"leaves {percent(rival.held_out)} of the signal, {names_of(best)} {percent(best.held_out)}."
         )
     for effect, error_without in choice.refining.items():
+        words = f"{effect.label().replace('_', ' ').capitalize()} {effect.position}".strip()
         little = not explains_more_than_left(error_without, best.held_out)
         reason = "too little to be named" if little else "other effects explain nearly as much"
         yield (
-            f"{effect.label().replace('_', ' ').capitalize()} refines the model: without it "
+            f"{words} refines the model: without it "
             f"{percent(error_without)} of the signal remains on held-out tests, with it "
             f"{percent(best.held_out)}. It is in model.toml, and {reason}."
         )
