@@ -163,7 +163,7 @@ def test_errors_stand_by_test_and_with_and_without_each_effect(damping_diagnosis
     effect = damping_diagnosis.effects[0]
     assert effect.error_without > 5.0 * effect.error_with
     assert "remains on held-out tests, without it" in content
-    assert "The same for each held-out test by itself" in content
+    assert "Unexplained is the share of the gap's energy that remains" in content
     assert "Models that were tried" in content
     assert "is noise (band above the motion)" in content
 

@@ -219,13 +219,26 @@ def _simplify(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> tuple[RankedModel, list[tuple[type[Effect], float, float]]]:
     """Leave out effects that change nothing on held-out tests, all together; the errors with and without."""
-    least, unchanging = best.held_out, []
-    while (idle := _idle(search, rows, best, proof, (1.0 + NO_CHANGE) * least)) is not None:
-        kind, smaller = idle
+    limit, unchanging = np.inf, []
+    while True:
+        limit = min(limit, (1.0 + NO_CHANGE) * best.held_out)
+        smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in _removable(best)}
+        idle = [
+            (kind, row)
+            for kind, row in smaller.items()
+            if row.held_out <= limit and not _is_silent(search, best, row, proof)
+        ]
+        if not idle:
+            return best, unchanging
+        kind, row = min(idle, key=lambda item: item[1].held_out)
         if kind not in search.problem.block.linear or not isinstance(search, ErrorSearch):
-            unchanging.append((kind, best.held_out, smaller.held_out))
-        best, least = smaller, min(least, smaller.held_out)
-    return best, unchanging
+            unchanging.append((kind, best.held_out, row.held_out))
+        best = row
+
+
+def _removable(row: RankedModel) -> list[type[Effect]]:
+    """Effects of a model that are neither clocks that differ nor stated values."""
+    return [kind for kind in row.fit.space.effects if kind not in (ClockOffset, StatedDamping)]
 
 
 def _find_refinement(
@@ -268,14 +281,16 @@ def remarks_on(choice: Choice) -> Iterator[str]:
             f"The held-out tests contradict {names_of(rival)}, which would explain the fitted tests: it "
             f"leaves {percent(rival.held_out)} of the signal, {names_of(best)} {percent(best.held_out)}."
         )
+    refined: dict[str, list[str]] = {}
     for effect, error_without in choice.refining.items():
-        words = f"{effect.label().replace('_', ' ').capitalize()} {effect.position}".strip()
         little = not explains_more_than_left(error_without, best.held_out)
-        reason = "too little to be named" if little else "other effects explain nearly as much"
+        reason = "it explains too little" if little else "other effects explain nearly as much"
+        words = f"{effect.label().replace('_', ' ')} {effect.position}".strip()
+        refined.setdefault(reason, []).append(f"{words} ({percent(error_without)} without it)")
+    for reason, effects in refined.items():
         yield (
-            f"{words} refines the model: without it "
-            f"{percent(error_without)} of the signal remains on held-out tests, with it "
-            f"{percent(best.held_out)}. It is in model.toml, and {reason}."
+            f"In model.toml without a name, because {reason}: {', '.join(effects)}. With all effects "
+            f"{percent(best.held_out)} of the signal remains on held-out tests."
         )
     for effect, error_with, error_without in choice.unchanging:
         worse = error_without < (1.0 - NO_CHANGE) * error_with
@@ -341,23 +356,6 @@ def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
     return RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error)
 
 
-def _idle(
-    search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem, limit: float
-) -> tuple[type[Effect], RankedModel] | None:
-    """Find the effect without which a model predicts held-out tests best, None where all exceed a limit."""
-    smaller = {
-        kind: _remove_effect(search, rows, best, kind, proof)
-        for kind in best.fit.space.effects
-        if kind not in (ClockOffset, StatedDamping)
-    }
-    idle = {
-        kind: row
-        for kind, row in smaller.items()
-        if row.held_out <= limit and not _is_silent(search, best, row, proof)
-    }
-    return min(idle.items(), key=lambda item: item[1].held_out, default=None)
-
-
 def _weigh(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> tuple[set[type[Effect]], set[type[Effect]]]:
@@ -371,7 +369,7 @@ def _weigh(
     does so by itself, or something of its kind acts; that one of both shows it is enough, because a limit
     acts in the strongest tests alone.
     """
-    kinds = [kind for kind in best.fit.space.effects if kind not in (ClockOffset, StatedDamping)]
+    kinds = _removable(best)
     smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}
     if not isinstance(search, ErrorSearch) and is_noise(search.problem, best.fit):
         return _find_trifles(search, rows, best, smaller, proof), set()

@@ -15,6 +15,7 @@ from reliab.discrepancy.naming.unexplained import LARGEST_REMAINDER
 from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import Verdict
 from reliab.discrepancy.result.diagnosis import Diagnosis
+from reliab.discrepancy.result.gap import Gap, GapOfKind
 from reliab.discrepancy.result.missing_effect import MissingEffect, Unknown
 from reliab.report.document import Block, Column, Document, Points, Section, Table, provenance_of
 from reliab.report.kinds import discrepancy_figures as figures
@@ -303,29 +304,56 @@ def proof_section(diagnosis: Diagnosis) -> Section:
 
 
 def _proof(diagnosis: Diagnosis) -> tuple[Block, ...]:
+    floors = (describe_remainder(block_diagnosis) for block_diagnosis in diagnosis.blocks)
+    return *floors, _errors(diagnosis), *_candidates(diagnosis)
+
+
+def _errors(diagnosis: Diagnosis) -> Table:
+    """Tabulate the errors on held-out tests, of several the least explained first."""
     rows = [
         {
-            **block_diagnosis.gap.to_dict(),
             "block": str(block_diagnosis.block.block),
-            "closed": np.nan
-            if block_diagnosis.gap.stated_share is None
-            else block_diagnosis.gap.stated_share,
-            "noise_floor": np.nan if block_diagnosis.gap.floor is None else block_diagnosis.gap.floor,
+            "channel": block_diagnosis.gap.channel,
+            "tests": describe_held_out(block_diagnosis.block.tests, files),
+            **errors,
         }
         for block_diagnosis in diagnosis.blocks
+        for files, errors in _errors_on(block_diagnosis.gap)
     ]
     columns = (
         Column(key="block", heading="Block"),
         Column(key="channel", heading="Channel"),
-        Column(key="nrmse_before", heading="Before", unit="%", number=SIZE),
-        Column(key="nrmse_after", heading="After", unit="%", number=SIZE),
-        Column(key="noise_floor", heading="Noise", unit="%", number=SIZE),
-        Column(key="closed", heading="Gap closed", unit="%", number=_SHARE),
+        Column(key="tests", heading="Held out"),
+        Column(key="kind", heading="Motion"),
+        Column(key="before", heading="Before", unit="%", number=SIZE),
+        Column(key="after", heading="After", unit="%", number=SIZE),
+        Column(key="noise", heading="Noise", unit="%", number=SIZE),
+        Column(key="left", heading="Unexplained", unit="%", number=_SHARE),
     )
-    caption = "Difference between model and measurement on held-out tests, RMS over that of the signal."
-    table = Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
-    floors = (describe_remainder(block_diagnosis) for block_diagnosis in diagnosis.blocks)
-    return *floors, table, _errors_by_test(diagnosis), *_candidates(diagnosis)
+    caption = (
+        "Difference between model and measurement on held-out tests, RMS over that of the signal. "
+        "Unexplained is the share of the gap's energy that remains; – if nothing is missing."
+    )
+    return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
+
+
+def _errors_on(gap: Gap) -> Iterator[tuple[Sequence[str], dict[str, object]]]:
+    """Files and errors of all held-out tests together, and of each of several by itself."""
+    kinds = " and ".join(dict.fromkeys(test.kind for test in gap.tests))
+    yield gap.held_out, _sizes(gap, kinds, gap.floor)
+    for one in gap.by_test if len(gap.tests) > 1 else ():
+        yield one.files, _sizes(one, one.kind, one.noise or None)
+
+
+def _sizes(gap: Gap | GapOfKind, kind: str, noise: float | None) -> dict[str, object]:
+    left = gap.unexplained_share
+    return {
+        "kind": kind,
+        "before": gap.before,
+        "after": gap.after,
+        "noise": np.nan if noise is None else noise,
+        "left": np.nan if left is None else left,
+    }
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
@@ -354,33 +382,3 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
         "time, and on held-out tests, RMS over that of the signal."
     )
     return (Table(frame=pd.DataFrame(rows), columns=columns, caption=caption),) if rows else ()
-
-
-def _errors_by_test(diagnosis: Diagnosis) -> Table:
-    rows = [
-        {
-            "block": str(block_diagnosis.block.block),
-            "channel": block_diagnosis.gap.channel,
-            "test": describe_held_out(block_diagnosis.block.tests, gap.files),
-            "kind": gap.kind,
-            "before": gap.before,
-            "after": gap.after,
-            "left": np.nan if gap.unexplained_share is None else gap.unexplained_share,
-        }
-        for block_diagnosis in diagnosis.blocks
-        for gap in block_diagnosis.gap.by_test
-    ]
-    columns = (
-        Column(key="block", heading="Block"),
-        Column(key="channel", heading="Channel"),
-        Column(key="test", heading="Held-out test"),
-        Column(key="kind", heading="Motion"),
-        Column(key="before", heading="Before", unit="%", number=SIZE),
-        Column(key="after", heading="After", unit="%", number=SIZE),
-        Column(key="left", heading="Unexplained", unit="%", number=_SHARE),
-    )
-    caption = (
-        "The same for each held-out test by itself, the least explained first. Unexplained is the share of "
-        "the gap's energy that remains; – if nothing is missing."
-    )
-    return Table(frame=pd.DataFrame(rows), columns=columns, caption=caption)
