@@ -219,7 +219,7 @@ def _simplify(
     search: Search, rows: Sequence[RankedModel], best: RankedModel, proof: Problem
 ) -> tuple[RankedModel, list[tuple[type[Effect], float, float]]]:
     """Leave out effects that change nothing on held-out tests, all together; the errors with and without."""
-    limit, unchanging = np.inf, []
+    limit, unchanging = np.inf, list[tuple[type[Effect], float, float]]()
     while True:
         limit = min(limit, (1.0 + NO_CHANGE) * best.held_out)
         smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in _removable(best)}
@@ -361,13 +361,12 @@ def _weigh(
 ) -> tuple[set[type[Effect]], set[type[Effect]]]:
     """Find effects that are too little for a name, and a main one that is in doubt.
 
-    Where noise is left, one of several effects is too little if it closes a trifle of the gap on held-out
-    tests and takes little off all that is left there, too. Nearly any effect explains some of an error that
-    follows the motion, however: there, one has a name only if it is in most models by their probability, and
-    takes off more of the energy than the effects that have a name leave together, on left-out parts as on
-    held-out tests: beside other effects in its place, too, and without those that have none. The main one
-    does so by itself, or something of its kind acts; that one of both shows it is enough, because a limit
-    acts in the strongest tests alone.
+    Where noise is left, one of several is too little if it closes a trifle of the gap. Nearly any effect
+    explains some of an error that follows the motion, however: there, one has a name only if it is in most
+    models by their probability, and takes off more of the energy than the effects that have a name leave
+    together, on left-out parts as on held-out tests: beside other effects in its place, too, and without
+    those that have none. The main one does so by itself, or something of its kind acts; that one of both
+    shows it is enough, because a limit acts in the strongest tests alone.
     """
     kinds = _removable(best)
     smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}

@@ -1,6 +1,7 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 import math
+import re
 from collections.abc import Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -39,6 +40,7 @@ _LEAST_RIVAL = 0.01  # probability of an effect that is named as another one's r
 _DAMPING = "structure_damping"
 _PREFIXES = {-6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _READABLE = (0.01, 1e4)  # sizes of numbers that are shown without a power of ten
+_NEGATIVE_ZERO = re.compile(r"-(0(?:\.0+)?)(?![\d.])")
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 
 
@@ -104,6 +106,8 @@ class Estimate(PlainResult):
 
         >>> Estimate(name="force_n", value=237_500.0, sd=73_000.0, units="N").size
         '238 kN (117 to 358)'
+        >>> Estimate(name="offset_n", value=-0.004, sd=0.3, units="N", signed=True).size
+        '0.00 N (−0.50 to 0.49)'
         """
         if not self.determined:
             return "not determined"
@@ -113,7 +117,7 @@ class Estimate(PlainResult):
         value, interval = value_and_interval(self.value / scale, low / scale, high / scale)
         is_power = unit.startswith("·")
         text = f"{value} ({interval}){unit}" if is_power else f"{value} {unit} ({interval})"
-        return text.replace("  ", " ").replace("-", "−")
+        return _NEGATIVE_ZERO.sub(r"\1", text).replace("  ", " ").replace("-", "−")
 
 
 @dataclass(frozen=True, kw_only=True)

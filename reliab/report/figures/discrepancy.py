@@ -59,18 +59,18 @@ _LOOKS: Final[dict[str, dict[str, Any]]] = {
     "sound": {"facecolor": "white", "edgecolor": BLUE, "linewidth": 1.2},
     "unseen": {"facecolor": "white", "edgecolor": GREY, "linewidth": 1.0, "linestyle": (0, (3, 2))},
 }
-_HISTORIES_HEIGHT = 76.0
+_HISTORIES_HEIGHT = 70.0
 _SIDE, _LARGEST, _NARROWEST = 36.0, 160.0, 90.0
 _NAME_PAD = 0.1  # inches, for the names above the panels
 _BINS = 30
 _INTERVAL = (0.05, 0.95)
 _SHARES = (0.9, 0.5)  # of the draws inside the contours
-_STATE_PLANE_HEIGHT = 66.0
+_STATE_PLANE_HEIGHT = 56.0
 _FIELD_BINS = 25
 _FEWEST_SAMPLES = 3  # samples in a field
 _REACH = 0.995  # quantile of the motion at which the axes end
 _COLOURS = "RdBu_r"
-_TIME_FREQUENCY_HEIGHT = 62.0
+_TIME_FREQUENCY_HEIGHT = 54.0
 STRETCHES = 24.0
 """Lengths of a spectrogram's window in a test."""
 
