@@ -21,7 +21,7 @@ from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise
-from reliab.discrepancy.fitting.noise_test import is_model_error, is_noise
+from reliab.discrepancy.fitting.noise_test import is_model_error
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import diagnose_block
@@ -237,8 +237,6 @@ def _search_by_noise(search: Search, campaign: Campaign, advance: Callable[[], N
         search_result = _search_integration(block, campaign, search_result)
     advance()
     search_result = _choose_judge(search_result, campaign)
-    if _is_stiffness_contradicted(search_result):
-        search_result = _release_stiffness(search_result, campaign)
     advance()
     if isinstance(search_result, ErrorSearch):
         return search_result
@@ -250,26 +248,23 @@ def _search_by_noise(search: Search, campaign: Campaign, advance: Callable[[], N
 
 
 def begin_search(block: ObservedBlock, campaign: Campaign) -> Search:
-    """Calibrate a block: with a stiffness of any value where that leaves noise, and the stated one does not.
+    """Calibrate a block: with a stiffness of any value where that is more credible than the stated one.
 
-    What is stated is then contradicted, and no effect needs to make up for it.
+    What is stated is then contradicted, or in another unit. An effect that happens to bring the missing
+    stiffness would otherwise make up for it.
     """
     search = Search(_problem(block, campaign, campaign.training))
-    if not (isinstance(block, SpecimenBlock | LoopBlock) and _is_stiffness_contradicted(search)):
+    is_contradicted = _STIFFNESS in search.null.space.find_bounds(search.null.coordinates)
+    if not (is_contradicted and isinstance(block, SpecimenBlock | LoopBlock)):
         return search
     open_search = Search(_problem(block.release_stiffness(), campaign, campaign.training))
-    return open_search if is_noise(open_search.problem, open_search.null) else search
+    return open_search if open_search.score(open_search.null) > search.score(search.null) else search
 
 
 def _run_search(search: Search) -> Search:
     """Search for what is missing, and again with the error of the converter that the best model expects."""
     search.run()
     return search.rerun_converted()
-
-
-def _is_stiffness_contradicted(search: Search) -> bool:
-    """Whether the calibrated stiffness lies on a bound, within which a stated one is taken to be."""
-    return _STIFFNESS in search.null.space.find_bounds(search.null.coordinates)
 
 
 def _choose_judge(search: Search, campaign: Campaign) -> Search:
@@ -306,29 +301,6 @@ def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stret
         skip_transient(stretches, block.motions, block.memory), block.motions, block.answer_time
     )
     return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, thinning))
-
-
-def _release_stiffness(stated_search: Search, campaign: Campaign) -> Search:
-    """Search with a stiffness that may have any value; believed where fewer parameters say more with it.
-
-    A stiffness that is stated wrongly, or a force in another unit, would otherwise be taken for an effect
-    that happens to bring the missing stiffness.
-    """
-    block = stated_search.problem.block
-    if not isinstance(block, SpecimenBlock | LoopBlock):
-        return stated_search
-    search = Search(_problem(block.release_stiffness(), campaign, campaign.training))
-    if _energy(search.null, search) > _LEAST_EXPLAINED * _energy(stated_search.null, stated_search):
-        return stated_search
-    open_search = _choose_judge(_run_search(search), campaign)
-    best, stated_best = open_search.best, stated_search.best
-    has_same_judge = isinstance(open_search, ErrorSearch) is isinstance(stated_search, ErrorSearch)
-    better = (
-        open_search.score(best) > stated_search.score(stated_best)
-        if has_same_judge
-        else isinstance(stated_search, ErrorSearch)
-    )
-    return open_search if better and best.space.size < stated_best.space.size else stated_search
 
 
 def _energy(fit: Fit, search: Search) -> float:

@@ -286,6 +286,17 @@ def problem_of(**changes):
     return Problem(block=block, segments=segments, **changes)
 
 
+@pytest.mark.parametrize(("size", "is_kept"), [(1e12, True), (1e60, False), (np.nan, False)])
+def test_a_simulation_that_runs_away_is_bad_by_no_more_than_a_limit(size, is_kept):
+    """A step towards it would be by 1e-60 of a parameter, and its square is no number."""
+    problem = problem_of()
+    problem.block.spectra = lambda _model, segments: [np.full(s.bins, size + 0j) for s in segments]
+    rows = problem.whiten(SimpleNamespace(model=lambda _: None), np.zeros(SIZE), NoiseModel.white(RATE, 1.0))
+    assert rows.size == problem.rows
+    assert bool(np.abs(rows).max() > 1e11) is is_kept
+    assert np.isfinite(rows @ rows)
+
+
 def test_swings_are_counted_between_four_and_twenty_four():
     """A sine of ω rad/s swings ω/π times a second; the two tests hold 32 and 16 s of it."""
     counts = observations(problem_of())

@@ -35,3 +35,9 @@ def test_bounds_and_prior_are_stated_without_a_unit(parameter):
     mean, spread = parameter.coordinate_prior
     assert parameter.value(mean, SCALES) == pytest.approx((0.75 if parameter.signed else 0.5) * UNIT)
     assert spread == (0.5 if parameter.signed else 1.25)
+
+
+def test_rounding_error_of_nothing_is_zero():
+    """A step to a bound at zero leaves 1e-32, which no effect takes for a value of its parameter."""
+    assert SIGNED.value(1e-17 - 0.75, SCALES) == 0.0
+    assert SIGNED.value(1e-9 - 0.75, SCALES) == pytest.approx(1e-9 * UNIT)

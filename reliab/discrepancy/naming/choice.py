@@ -334,7 +334,7 @@ def _place_effects(search: ErrorSearch, best: RankedModel, proof: Problem) -> Ra
             if moved.log_likelihood > best.fit.log_likelihood and not _is_told(
                 search, moved, best.fit, proof
             ):
-                return _row_of(search, moved, proof)
+                return row_of(search, moved, proof)
     return best
 
 
@@ -350,7 +350,7 @@ def _is_told(search: Search, first: Fit, second: Fit, proof: Problem) -> bool:
     return bool(abs(ratios.mean()) > _STANDARD_ERRORS * ratios.std(ddof=1) / np.sqrt(ratios.size))
 
 
-def _row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
+def row_of(search: Search, fit: Fit, proof: Problem) -> RankedModel:
     """Return a model that was fitted after all others were ranked."""
     error = compute_nrmse(proof, proof.residuals(fit))
     return RankedModel(fit=fit, probability=0.0, left_out=search.error(fit).nrmse, held_out=error)
@@ -456,7 +456,7 @@ def _remove_effect(
     fit = search.remove_effect(best.fit, kind)
     rows = [row for row in ranked_models if row.fit is fit or set(row.fit.space.effects) <= possible_effects]
     if all(row.fit is not fit for row in rows):
-        rows.append(_row_of(search, fit, proof))
+        rows.append(row_of(search, fit, proof))
     if not isinstance(search, ErrorSearch):
         return next(row for row in rows if row.fit is fit)
     return min(rows, key=lambda row: row.held_out)

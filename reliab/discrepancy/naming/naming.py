@@ -34,6 +34,7 @@ from reliab.discrepancy.naming.choice import (
     probability,
     ranking,
     remarks_on,
+    row_of,
 )
 from reliab.discrepancy.naming.unexplained import find_unexplained
 from reliab.discrepancy.proof import compute_nrmse, gap
@@ -103,6 +104,11 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibration=calibration(best, is_restated=bool(restatements)),
         further=predict_error(naming.errors_as_recorded),
         believed=choice.best,
+        rejected=tuple(
+            row_of(search, model, proof)
+            for model in search.rejected.values()
+            if len(set(model.space.effects).difference(search.problem.block.linear)) == 1
+        ),
         choice_remarks=tuple(remarks_on(choice)),
         linear=naming.linear,
         refining=tuple(choice.refining),

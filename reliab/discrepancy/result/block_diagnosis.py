@@ -125,6 +125,7 @@ class BlockDiagnosis(PlainResult):
     calibration: tuple[Estimate, ...]  # Gain, delay, stiffness or scale as calibrated in the best model
     further: FurtherError | None  # Error to expect on a further test, None from too few tests
     believed: RankedModel  # The best model in the ranking
+    rejected: tuple[RankedModel, ...] = ()  # Models of one effect, which does not matter
     # Sentences on models that held-out tests contradict, and on effects that change nothing there
     choice_remarks: tuple[str, ...] = ()
     # Parameters of the best linear model, where the block has one of its own
@@ -174,11 +175,14 @@ class BlockDiagnosis(PlainResult):
 
     @property
     def candidates(self) -> tuple[RankedModel, ...]:
-        """Models to compare the believed one with, those of the smallest error on held-out tests first."""
+        """All models that were tried, those of the smallest error on held-out tests first.
+
+        Of models that differ in nothing but linear effects there is one.
+        """
         linear = {effect.label() for effect in self.block.linear}
         groups: dict[frozenset[str], list[RankedModel]] = {}
         is_ranked = any(row.fit is self.best for row in self.ranked)
-        for row in self.ranked if is_ranked else (self.believed, *self.ranked):
+        for row in (*(() if is_ranked else (self.believed,)), *self.ranked, *self.rejected):
             groups.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
         rows = [
             replace(
@@ -188,11 +192,18 @@ class BlockDiagnosis(PlainResult):
             )
             for group in groups.values()
         ]
-        rows.sort(key=lambda row: -row.probability)
-        simple = [row for row in rows if set(row.names) <= linear]
-        best_rows = sorted(rows, key=lambda row: row.held_out)
-        chosen_rows = {id(row): row for row in (*simple, *rows[:_MOST_LISTED], *best_rows[:_MOST_LISTED])}
-        return tuple(sorted(chosen_rows.values(), key=lambda row: row.held_out))
+        return tuple(sorted(rows, key=lambda row: row.held_out))
+
+    @property
+    def main_candidates(self) -> tuple[RankedModel, ...]:
+        """Models to compare the believed one with: probable, good or linear ones, or of one effect."""
+        linear = {effect.label() for effect in self.block.linear}
+        rows = self.candidates
+        probable = sorted(rows, key=lambda row: -row.probability)[:_MOST_LISTED]
+        chosen = {id(row) for row in (*rows[:_MOST_LISTED], *probable)}
+        return tuple(
+            row for row in rows if id(row) in chosen or row.is_believed or len({*row.names} - linear) <= 1
+        )
 
     @property
     def misstated(self) -> tuple[Estimate, ...]:

@@ -368,7 +368,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
         }
         for block_diagnosis in diagnosis.blocks
         if len(block_diagnosis.candidates) > 1
-        for row in block_diagnosis.candidates
+        for row in block_diagnosis.main_candidates
     ]
     columns = (
         Column(key="block", heading="Block"),
@@ -379,6 +379,6 @@ def _candidates(diagnosis: Diagnosis) -> tuple[Table, ...]:
     )
     caption = (
         "Models that were tried, with their errors on parts of the fitted tests that were left out one at a "
-        "time, and on held-out tests, RMS over that of the signal."
+        "time, and on held-out tests, RMS over that of the signal. All models are in diagnosis.json."
     )
     return (Table(frame=pd.DataFrame(rows), columns=columns, caption=caption),) if rows else ()
