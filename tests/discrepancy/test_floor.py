@@ -148,7 +148,7 @@ def test_of_noise_nothing_is_unexplained(error_before, error_after, floors, nois
     assert ("calibrated model is at the level of the noise" in gap.conclusion) is (remainder is None)
     assert ("cannot show the effect" in gap.conclusion) is (remainder is None)
     assert "nothing to explain" not in gap.conclusion
-    assert ("nothing to explain" in replace(gap, missing=False).conclusion) is (remainder is None)
+    assert ("nothing to explain" in dataclasses.replace(gap, missing=False).conclusion) is (remainder is None)
     assert gap.to_dict()["conclusion"] == gap.conclusion
 
 
