@@ -162,19 +162,18 @@ class Choice:
     plain: RankedModel  # The one from which effects have their names; the best one may refine it
     sure: frozenset[type[Effect]]  # Effects of both that are named
     doubtful: frozenset[type[Effect]]  # Effects of both of which one acts
-    refining: Mapping[type[Effect], float]
-    """Effects of the best model without a name, with the errors without them."""
+    refining: Mapping[type[Effect], float]  # Effects without a name, with the errors without them
     contradicted: RankedModel | None  # A more probable model that the held-out tests contradict
+    # Probable effects that change nothing on held-out tests, with the errors with and without each
     unchanging: tuple[tuple[type[Effect], float, float], ...]
-    """Probable effects that change nothing on held-out tests, with the errors with and without each."""
 
 
 def choose(search: Search, rows: Sequence[RankedModel], proof: Problem) -> Choice:
     """Name effects of the most probable model that the held-out tests sustain, and believe what refines it.
 
     Where no model is exact, effects have their names without terms outside the library, whose shapes they
-    would make up for. What refines that model is believed and has no name, unless it explains more than all
-    that is left: terms are an unknown effect then.
+    would make up for. What refines that model has no name, unless it explains more than is left: terms are an
+    unknown effect then.
     """
     plain, unchanging = _simplify(search, rows, _find_plain(search, rows, proof), proof)
     plain, sure, doubtful = _split_by_certainty(search, rows, plain)
@@ -370,10 +369,8 @@ def _weigh(
     """
     kinds = _removable(best)
     smaller = {kind: _remove_effect(search, rows, best, kind, proof) for kind in kinds}
-    if not isinstance(search, ErrorSearch) and is_noise(search.problem, best.fit):
+    if not kinds or (not isinstance(search, ErrorSearch) and is_noise(search.problem, best.fit)):
         return _find_trifles(search, rows, best, smaller, proof), set()
-    if not kinds:
-        return set(), set()
     main = max(kinds, key=lambda kind: (not is_general(kind), smaller[kind].held_out))
     named, model = [*kinds], best
     while others := [kind for kind in named if kind is not main]:
