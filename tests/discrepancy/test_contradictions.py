@@ -123,7 +123,9 @@ def test_noisy_command_is_told(share, is_told):
         for noise in [rng.standard_normal(command.size)]
     ]
     sentences = require_consistent(replace(rig, tests=tuple(tests)))
-    assert ["holds noise of 0." in sentence for sentence in sentences] == [True] * len(tests) * is_told
+    assert len(sentences) == is_told
+    assert all(f"% in {test.file}" in sentence for test in tests for sentence in sentences)
+    assert all("holds noise (0." in sentence for sentence in sentences)
 
 
 def test_followed_random_command_is_no_noise():

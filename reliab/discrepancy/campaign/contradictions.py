@@ -4,7 +4,7 @@ Each test is examined as `reliab assess` examines one. Then the tests are compar
 may answer another motion by another amount, but not with another sign, and not a thousandfold.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
@@ -50,9 +50,9 @@ _LARGEST_CHANGE = np.log(
 
 def require_consistent(campaign: Campaign) -> tuple[str, ...]:
     """Refuse tests whose channels contradict each other, or the other tests, by a sign or a unit."""
-    faults = tuple(sentence for test in campaign.tests for sentence in _faults_of(test, campaign))
+    faults = [sentence for test in campaign.tests for sentence in _faults_of(test, campaign)]
     _require_agreement(campaign)
-    return faults
+    return *faults, *_noise_of_commands(campaign.tests)
 
 
 def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
@@ -96,28 +96,38 @@ def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) 
     examined = require_plausible(expected_recording, stiffness=stiffness, is_stiffness_fitted=True)
     yield from (fault.finding for fault in plain_faults(recording))
     yield from doubts_of_force(recording, examined)
-    yield from _noise_of_command(command, reading)
     if campaign.structure is not None and force is not None:
         shaken = replace(recording, ground=test.channels.get(Channel.GROUND))
         yield from doubts_of_ground(shaken, campaign.structure, campaign.mass)
 
 
-def _noise_of_command(command: Array, reading: Array) -> Iterator[str]:
-    """Say that a command holds noise, which a diagnosis takes for motion.
+def _noise_of_commands(tests: Sequence[MeasuredTest]) -> Iterator[str]:
+    """Say in which tests the command holds noise, which a diagnosis takes for motion."""
+    shares = {test.file: share for test in tests if (share := _noise_of_command(test)) > _NOISY}
+    if shares:
+        sizes = ", ".join(f"{percent(share, decimals=2)} in {file}" for file, share in shares.items())
+        yield (
+            f"The recorded command holds noise ({sizes}, of its RMS). A command is taken as exact: a lag of "
+            "the actuator, an added mass or an error of the integration may be this noise. Record the "
+            "command as the controller computed it."
+        )
+
+
+def _noise_of_command(test: MeasuredTest) -> float:
+    """RMS of the noise of a command over that of the command, zero where it may be motion.
 
     What the rig follows at the highest frequencies is motion, as of a random command.
     """
-    share = np.sqrt(white_noise_share(command))
+    command, reading = test.channels.get(Channel.COMMAND), test.channels.get(Channel.MEASURED)
+    if command is None or reading is None or not np.ptp(command) > 0.0:
+        return 0.0
+    share = float(np.sqrt(white_noise_share(command)))
     if share <= _NOISY:
-        return
+        return 0.0
     length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
     frequency, coherence = scipy.signal.coherence(command, reading, nperseg=length)
-    if float(coherence[frequency > 0.5 * frequency[-1]].mean()) <= _MOTION_COHERENCE:
-        yield (
-            f"The recorded command holds noise of {percent(share, decimals=2)} of its RMS. A command is "
-            "taken as exact: a lag of the actuator, an added mass or an error of the integration may be this "
-            "noise. Record the command as the controller computed it."
-        )
+    is_followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _MOTION_COHERENCE
+    return 0.0 if is_followed else share
 
 
 def _is_still(ground: Array, displacement: Array) -> bool:
