@@ -113,11 +113,12 @@ def _method(remarks: Sequence[Prose]) -> Section:
         "for noise. Where the residual of the best model looks like noise, candidates are compared by "
         "their evidence, which counts against every further effect. Where it follows the motion, it is an "
         "error of the model: candidates are then compared by their error on tests that are left out one at "
-        "a time, in the unit of the channel; a test counts as at most {most:.0f} observations, and a "
-        "further effect must explain more of the residual than it leaves. Held-out tests take no part in "
-        "any fit; of models that explain the fitted tests they have the last word. The verdict is “named” "
-        "if at most {share} of the energy of the gap remains in the kind of held-out test (sine, sweep, "
-        "irregular motion) that is explained least."
+        "a time, in the unit of the channel; a test counts as at most {most:.0f} observations. A further "
+        "effect has a name if it explains more of the residual than it leaves, and stays in the model "
+        "without one if it explains less. Held-out tests take no part in any fit; of models that explain "
+        "the fitted tests they have the last word. The verdict is “named” if at most {share} of the energy "
+        "of the gap remains in the kind of held-out test (sine, sweep, irregular motion) that is explained "
+        "least."
     )
     described = prose(text, most=MOST_OF_A_TEST, share=percent(LARGEST_REMAINDER))
     blocks: list[Block] = [described]
