@@ -104,11 +104,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         calibration=calibration(best, is_restated=bool(restatements)),
         further=predict_error(naming.errors_as_recorded),
         believed=choice.best,
-        rejected=tuple(
-            row_of(search, model, proof)
-            for model in search.rejected.values()
-            if len(set(model.space.effects).difference(search.problem.block.linear)) == 1
-        ),
+        rejected=naming.rejected,
         choice_remarks=tuple(remarks_on(choice)),
         linear=naming.linear,
         refining=tuple(choice.refining),
@@ -157,6 +153,14 @@ class _Naming:
     def kinds(self) -> list[type[Effect]]:
         """Effects of the believed model that may have a name."""
         return [kind for kind in self.best.space.effects if kind not in self.choice.refining]
+
+    @property
+    def rejected(self) -> tuple[RankedModel, ...]:
+        """Models of one effect, which does not matter."""
+        linear = self.search.problem.block.linear
+        models = self.search.rejected.values()
+        single = (model for model in models if len(set(model.space.effects).difference(linear)) == 1)
+        return tuple(row_of(self.search, model, self.proof) for model in single)
 
     def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""
