@@ -156,11 +156,12 @@ class _Naming:
 
     @property
     def rejected(self) -> tuple[RankedModel, ...]:
-        """Models of one effect, which does not matter."""
+        """Models of one effect, which does not matter, unless they leave more than the signal."""
         linear = self.search.problem.block.linear
         models = self.search.rejected.values()
         single = (model for model in models if len(set(model.space.effects).difference(linear)) == 1)
-        return tuple(row_of(self.search, model, self.proof) for model in single)
+        rows = (row_of(self.search, model, self.proof) for model in single)
+        return tuple(row for row in rows if max(row.left_out, row.held_out) <= 1.0)
 
     def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""

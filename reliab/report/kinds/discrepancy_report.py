@@ -340,9 +340,9 @@ def _errors(diagnosis: Diagnosis) -> Table:
 
 def _errors_on(gap: Gap) -> Iterator[tuple[Sequence[str], dict[str, object]]]:
     """Files and errors of all held-out tests together, and of each of several by itself."""
-    kinds = " and ".join(dict.fromkeys(test.kind for test in gap.tests))
-    yield gap.held_out, _sizes(gap, kinds, gap.floor)
-    for one in gap.by_test if len(gap.tests) > 1 else ():
+    kinds, by_test = " and ".join(dict.fromkeys(test.kind for test in gap.tests)), gap.by_test
+    yield gap.held_out, _sizes(gap if len(by_test) > 1 else by_test[0], kinds, gap.floor)
+    for one in by_test if len(by_test) > 1 else ():
         yield one.files, _sizes(one, one.kind, one.noise or None)
 
 
