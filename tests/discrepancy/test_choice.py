@@ -269,3 +269,15 @@ def test_best_rival_lacks_one_of_the_effects():
 def test_best_rival_holds_no_other_form_of_the_effect():
     degrading, power = row(DEGRADING, held_out=0.1), row(POWER, held_out=0.3)
     assert best_rival((degrading, power), (HYSTERESIS,)) is power
+
+
+def test_refinement_holds_a_named_effect_at_one_place(selection):
+    """Limits before and after the dynamics share the level that each would have alone."""
+    stroke, command = find_effect("stroke_saturation"), find_effect("command_saturation")
+    assert stroke.label() == command.label()
+    plain = row(command, share=0.5, left_out=0.13, held_out=0.20)
+    refined = row(command, TERM, share=0.1, left_out=0.12, held_out=0.18)
+    twice = row(command, stroke, TERM, share=0.4, left_out=0.1, held_out=0.16)
+    other_rows = row(TERM, left_out=0.6, held_out=0.7), row(stroke, left_out=0.4, held_out=0.5), CALIBRATION
+    assert selection(plain, refined, twice, *other_rows).best is refined
+    assert selection(plain, twice, *other_rows).best is plain

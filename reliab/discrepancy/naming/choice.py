@@ -154,6 +154,12 @@ def _forms_of(effect: type[Effect], others: Collection[type[Effect]]) -> set[typ
     }
 
 
+def _holds_once(effects: Sequence[type[Effect]], kind: type[Effect]) -> bool:
+    """Whether one of some effects is a form of another one, and acts at one place along the block."""
+    labels = [effect.label() for effect in effects]
+    return [labels.count(form.label()) for form in _forms_of(kind, effects)] == [1]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Choice:
     """The model that is believed."""
@@ -245,8 +251,8 @@ def _find_refinement(
 ) -> RankedModel:
     """Find the model that predicts held-out tests, and left-out parts, better than a plain one.
 
-    It holds the named effects of that, unless it explains more of what that leaves than it leaves itself.
-    Where noise judges, evidence has said which effects a model needs.
+    It holds the named effects of that, each at one place, unless it explains more of what that leaves than it
+    leaves itself. Where noise judges, evidence has said which effects a model needs.
     """
     if not isinstance(search, ErrorSearch):
         return plain
@@ -255,7 +261,7 @@ def _find_refinement(
         for row in _explaining(rows)
         if row.held_out < (1.0 - NO_CHANGE) * plain.held_out and row.left_out <= plain.left_out
         if min(_energy_ratios(plain, row)) >= _MORE_THAN_LEFT
-        or all(_forms_of(kind, row.fit.space.effects) for kind in named)
+        or all(_holds_once(row.fit.space.effects, kind) for kind in named)
     ]
     least = min((row.held_out for row in better), default=0.0)
     return next((row for row in better if row.held_out <= (1.0 + NO_CHANGE) * least), plain)
@@ -374,12 +380,7 @@ def _weigh(
     main = max(kinds, key=lambda kind: (not is_general(kind), smaller[kind].held_out))
     named, model = [*kinds], best
     while others := [kind for kind in named if kind is not main]:
-        ratios = {
-            kind: min(
-                min(_energy_ratios(rival, model)) for rival in _rivals(search, rows, model, kind, proof)
-            )
-            for kind in others
-        }
+        ratios = {kind: _least_ratio(search, rows, model, kind, proof) for kind in others}
         likely = {kind: probability(rows, kind) >= _LIKELY for kind in others}
         least = min(ratios, key=lambda kind: (likely[kind], ratios[kind]))
         if likely[least] and ratios[least] >= _MORE_THAN_LEFT:
@@ -414,16 +415,17 @@ def _find_trifles(
     }
 
 
-def _rivals(
+def _least_ratio(
     search: Search, rows: Sequence[RankedModel], model: RankedModel, kind: type[Effect], proof: Problem
-) -> list[RankedModel]:
-    """Models that lack an effect of another one and have no more."""
+) -> float:
+    """Energy left without an effect of a model, by a model with no more effects, over that left with it."""
     linear = set(search.problem.block.linear)
     most = len(set(model.fit.space.effects) - linear)
     rivals = [
         row for row in rows if len(set(row.fit.space.effects) - linear) <= most and not _holds(row, kind)
     ]
-    return [_remove_effect(search, rows, model, kind, proof), *rivals]
+    rivals.append(_remove_effect(search, rows, model, kind, proof))
+    return min(min(_energy_ratios(rival, model)) for rival in rivals)
 
 
 def _energy_ratios(rival: RankedModel, model: RankedModel) -> tuple[float, float]:
@@ -432,7 +434,7 @@ def _energy_ratios(rival: RankedModel, model: RankedModel) -> tuple[float, float
 
 
 def explains_more_than_left(error_without: float, error_with: float) -> bool:
-    """Whether an effect takes off more energy than is left with it, by the errors on held-out tests."""
+    """Whether an effect takes off more energy than is left with it, by errors on held-out tests."""
     return error_without**2 >= _MORE_THAN_LEFT * error_with**2
 
 
