@@ -140,24 +140,25 @@ def probability(rows: Sequence[RankedModel], effect: type[Effect]) -> float:
 
 
 def _holds(row: RankedModel, effect: type[Effect]) -> bool:
-    """Whether a model holds an effect in some form, wherever along the block it acts."""
-    forms = {kind.label() for kind in (effect, effect.refines) if kind is not None}
-    parts = {part for kind in row.fit.space.effects for part in (kind, kind.refines, *kind.members)}
-    return not forms.isdisjoint(part.label() for part in parts if part is not None)
+    """Whether a model holds an effect in some form."""
+    return bool(_forms_of(effect, row.fit.space.effects))
 
 
 def _forms_of(effect: type[Effect], others: Collection[type[Effect]]) -> set[type[Effect]]:
-    """Find an effect among others: itself, or else forms of one kind and compositions with it."""
-    forms = {effect, effect.refines} - {None}
+    """Find an effect among others: itself, or else its forms at any place, and compositions with it."""
+    labels = {kind.label() for kind in (effect, effect.refines) if kind is not None}
     return {effect}.intersection(others) or {
-        other for other in others if not forms.isdisjoint((other, other.refines, *other.members))
+        other
+        for other in others
+        for part in (other, other.refines, *other.members)
+        if part is not None and part.label() in labels
     }
 
 
 def _holds_once(effects: Sequence[type[Effect]], kind: type[Effect]) -> bool:
-    """Whether one of some effects is a form of another one, and acts at one place along the block."""
-    labels = [effect.label() for effect in effects]
-    return [labels.count(form.label()) for form in _forms_of(kind, effects)] == [1]
+    """Whether one of some effects is a form of another one, at its place along the block alone."""
+    forms, labels = _forms_of(kind, effects), [effect.label() for effect in effects]
+    return [(form.position, labels.count(form.label())) for form in forms] == [(kind.position, 1)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
