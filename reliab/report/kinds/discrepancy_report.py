@@ -340,14 +340,15 @@ def _errors(diagnosis: Diagnosis) -> Table:
 
 def _errors_on(gap: Gap) -> Iterator[tuple[Sequence[str], dict[str, object]]]:
     """Files and errors of all held-out tests together, and of each of several by itself."""
-    kinds, by_test = " and ".join(dict.fromkeys(test.kind for test in gap.tests)), gap.by_test
-    yield gap.held_out, _sizes(gap if len(by_test) > 1 else by_test[0], kinds, gap.floor)
-    for one in by_test if len(by_test) > 1 else ():
-        yield one.files, _sizes(one, one.kind, one.noise or None)
+    by_test = gap.by_test
+    is_one, kinds = len(by_test) == 1, " and ".join(dict.fromkeys(test.kind for test in gap.tests))
+    left = by_test[0].unexplained_share if is_one else gap.unexplained_share
+    yield gap.held_out, _sizes(gap, kinds, gap.floor, left)
+    for one in () if is_one else by_test:
+        yield one.files, _sizes(one, one.kind, one.noise or None, one.unexplained_share)
 
 
-def _sizes(gap: Gap | GapOfKind, kind: str, noise: float | None) -> dict[str, object]:
-    left = gap.unexplained_share
+def _sizes(gap: Gap | GapOfKind, kind: str, noise: float | None, left: float | None) -> dict[str, object]:
     return {
         "kind": kind,
         "before": gap.before,
