@@ -8,6 +8,7 @@ not, it is fitted anew to simulations at its own draws, which lie where the para
 does not help either, as for a hysteresis that a few cycles show, every draw is simulated.
 """
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -177,7 +178,9 @@ class Posterior:
     @property
     def statement(self) -> str:
         """One sentence on convergence."""
-        count = f"{self.effective:.0f} {'simulated ' if self.simulated else ''}draws in effect"
+        digit = 10.0 ** max(math.floor(math.log10(max(self.effective, 1.0))) - 1, 0)
+        number = int(self.effective // digit * digit)  # of two digits, downwards
+        count = f"{number} {'simulated ' if self.simulated else ''}draws in effect"
         if not self.converged:
             return (
                 f"The parameters' distributions have not converged: {count}, {ENOUGH:.0f} are needed. "
