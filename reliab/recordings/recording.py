@@ -178,7 +178,11 @@ class Recording(PlainResult):
     actuators: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        shape, size = np.shape(self.command), np.shape(self.command)[-1]
+        if np.shape(self.command)[:-1] == np.shape(self.measured)[:-1] == (1,):  # of one actuator in a row
+            object.__setattr__(self, "command", self.command[0])
+            object.__setattr__(self, "measured", self.measured[0])
+        shape = np.shape(self.command)
+        size = shape[-1] if shape else 0
         if shape != np.shape(self.measured) or len(shape) > 2 or size < FEWEST_SAMPLES:  # noqa: PLR2004
             raise InputError(
                 f"Command and measured displacement must have the same length, at least {FEWEST_SAMPLES}",
@@ -188,9 +192,7 @@ class Recording(PlainResult):
             )
         require_few_samples(size, self.name)
         require_physical("time step", self.time_step, where=self.name)
-        if not self.actuators:
-            numbers = tuple(str(place + 1) for place in range(shape[0])) if self.has_several else ("",)
-            object.__setattr__(self, "actuators", numbers)
+        self._number_actuators()
         for description, values in (("command", self.command), ("measured displacement", self.measured)):
             rows = np.atleast_2d(values)
             for number, row in zip(self.actuators, rows, strict=True):
@@ -204,6 +206,20 @@ class Recording(PlainResult):
         for description, extra in (("ground acceleration", self.ground), ("force", self.force)):
             if extra is not None:
                 require_finite(extra, description, self.name)
+
+    def _number_actuators(self) -> None:
+        """Give several actuators numbers from 1 on where they have none."""
+        count = len(self.command) if self.has_several else 1
+        if not self.actuators:
+            numbers = tuple(str(place + 1) for place in range(count)) if self.has_several else ("",)
+            object.__setattr__(self, "actuators", numbers)
+        if len(self.actuators) != count:
+            raise InputError(
+                "Each actuator needs a number of its own",
+                value=f"{', '.join(self.actuators)} for commands of shape {self.command.shape}",
+                remedy="Leave `actuators` out to count them",
+                where=self.name,
+            )
 
     @property
     def duration(self) -> float:

@@ -34,6 +34,12 @@ def insert_value(value):
     [
         ({"command": MOVING[1:]}, "the same length, at least 64; found 1999 and 2000"),
         ({"command": MOVING[:63], "measured": MOVING[:63]}, "the same length, at least 64; found 63 and 63"),
+        ({"command": np.float64(1.0), "measured": np.float64(1.0)}, "at least 64; found 1 and 1"),
+        ({"command": np.stack([MOVING, MOVING])}, "the same length, at least 64; found 4000 and 2000"),
+        (
+            {"actuators": ("1", "2")},
+            "a number of its own; found 1, 2 for commands of shape",
+        ),
         ({"time_step": 0.0}, "time step must be between 1e-06 and 1,000 s; found 0 s"),
         ({"time_step": np.nan}, "time step must be .* found nan s"),
         ({"time_step": np.inf}, "time step must be .* found inf s"),
@@ -54,6 +60,27 @@ def insert_value(value):
 def test_impossible_recording_is_refused(variant, rule):
     with pytest.raises(InputError, match=rule):
         recording(**variant)
+
+
+@pytest.mark.parametrize(
+    ("variant", "rule"),
+    [
+        ({"command": np.stack([0.0 * MOVING, 0.0 * MOVING])}, "command does not move: 0 throughout"),
+        ({"measured": np.stack([MOVING, insert_value(np.nan)])}, "found nan in the measured displacement 2"),
+        ({"actuators": ("1",)}, "Each actuator needs a number of its own"),
+    ],
+)
+def test_an_impossible_recording_of_several_actuators_is_refused(variant, rule):
+    both = np.stack([MOVING, 0.0 * MOVING])
+    assert recording(command=both, measured=both).actuators == ("1", "2")
+    with pytest.raises(InputError, match=rule):
+        recording(**{"command": both, "measured": both, **variant})
+
+
+def test_one_actuator_in_a_row_is_one_actuator():
+    row = recording(command=MOVING[np.newaxis], measured=MOVING[np.newaxis])
+    assert not row.has_several
+    assert row.command.shape == MOVING.shape
 
 
 def test_the_shortest_and_the_smallest_recording_are_taken():
