@@ -116,9 +116,9 @@ def _order_channels(recording: Recording, frame: FrameUnderTest) -> Recording:
     order = frame.order_of_channels(recording.actuators, recording.name)
     return replace(
         recording,
-        command=recording.command[order],
-        measured=recording.measured[order],
-        actuators=tuple(recording.actuators[place] for place in order),
+        command=np.atleast_2d(recording.command)[order],
+        measured=np.atleast_2d(recording.measured)[order],
+        actuators=tuple(recording.actuators[place] or "1" for place in order),
     )
 
 

@@ -178,9 +178,6 @@ class Recording(PlainResult):
     actuators: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if np.shape(self.command)[:-1] == np.shape(self.measured)[:-1] == (1,):  # of one actuator in a row
-            object.__setattr__(self, "command", self.command[0])
-            object.__setattr__(self, "measured", self.measured[0])
         shape = np.shape(self.command)
         size = shape[-1] if shape else 0
         if shape != np.shape(self.measured) or len(shape) > 2 or size < FEWEST_SAMPLES:  # noqa: PLR2004

@@ -142,15 +142,8 @@ def test_several_actuators_have_the_same_tolerances(case):
         interface=TWO_STOREYS.interface[:, np.newaxis],
         specimen_stiffness=np.array([[2e5]]),
     )
-    has_several = Recording(
-        command=recording.command[np.newaxis],
-        measured=recording.measured[np.newaxis],
-        time_step=recording.time_step,
-        actuators=("1",),
-        name="one",
-    )
     result = assess(
-        has_several,
+        recording,
         FrameUnderTest(
             has_several=True,
             name="two",

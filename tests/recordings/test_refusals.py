@@ -77,12 +77,6 @@ def test_an_impossible_recording_of_several_actuators_is_refused(variant, rule):
         recording(**{"command": both, "measured": both, **variant})
 
 
-def test_one_actuator_in_a_row_is_one_actuator():
-    row = recording(command=MOVING[np.newaxis], measured=MOVING[np.newaxis])
-    assert not row.has_several
-    assert row.command.shape == MOVING.shape
-
-
 def test_the_shortest_and_the_smallest_recording_are_taken():
     small_sample = MOVING[:FEWEST_SAMPLES]
     assert recording(command=small_sample, measured=small_sample).duration == pytest.approx(0.01 * 63)
