@@ -208,7 +208,7 @@ def _moving_channels(recording: Recording) -> Iterator[tuple[int, Recording]]:
     """Give the channels of all actuators that move, each with its place."""
     ranges = np.ptp(np.atleast_2d(recording.command), axis=1)
     for number in np.flatnonzero(ranges > _SMALL_MOTION * ranges.max()).tolist():
-        yield number, recording.select_actuator(number) if recording.has_several else recording
+        yield number, recording.select_actuator(number)
 
 
 def _find_faults(recording: Recording, question: Question) -> tuple[tuple[Fault, ...], TrackingIndex | None]:

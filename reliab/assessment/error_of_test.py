@@ -22,7 +22,7 @@ from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
 from reliab.assessment.recorded_force import stiffness_from_mass
-from reliab.assessment.recorded_ground import ShownGround, examine_ground
+from reliab.assessment.recorded_ground import ShownGround, examine_ground, refusal_of_unit
 from reliab.assessment.uncertainty_budget import BudgetItem, Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -405,14 +405,9 @@ def error_of_test(
         sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
         resolution=question.resolution,
     )
-    ground = examine_ground(
-        readings.channels,
-        structure,
-        duration=recording.duration,
-        feedback_lag=lag,
-        recorded=recording.channels,
-        name=recording.name,
-    )
+    ground = examine_ground(readings.channels, structure, duration=recording.duration, feedback_lag=lag)
+    if (refusal := refusal_of_unit(ground, recording)) is not None:
+        raise refusal
     left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
     circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
     rebuilt, specimen = _rebuild(recording, question, readings, circumstances)

@@ -149,8 +149,11 @@ class FrameAssessment(JudgedTest):
         rows = zip(frequency.tolist(), ratio.tolist(), partition.stiffness_shares.tolist(), strict=True)
         modes = []
         for f, xi, share in rows:
-            is_shown = tracking is not None and tracking.covers(f)
-            a, d = map(float, tracking.interpolate(f)) if tracking and is_shown else (None, None)
+            a, d = (
+                (None, None)
+                if tracking is None or not tracking.covers(f)
+                else map(float, tracking.interpolate(f))
+            )
             modes.append(ModeOfTest(frequency=f, damping_ratio=xi, share=share, amplitude=a, delay=d))
         return tuple(modes)
 

@@ -9,7 +9,6 @@ memory than a shorter one; one whose nonlinear specimen has a model is held whol
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -237,8 +236,7 @@ class Monitor(RunningTest):
                 draws=min(draws, DRAWS_OF_MODEL),
                 seed=self._seed,
             )
-        rebuild_with = partial(
-            rebuild,
+        return rebuild(
             command,
             measured_displacement,
             step,
@@ -246,14 +244,11 @@ class Monitor(RunningTest):
             to_interface=self._carry,
             feedback_lag=self._lag,
             sensor_offset=self._sensor_offset,
+            ground=rows[-1] if len(rows) > 2 * degrees else None,
             known=self._known,
             draws=draws,
             seed=self._seed,
         )
-        try:
-            return rebuild_with(ground=rows[-1] if len(rows) > 2 * degrees else None)
-        except InputError:  # one in another unit, which is told at the end
-            return rebuild_with()
 
     @property
     def displacements(self) -> Mapping[str, Now]:

@@ -267,7 +267,7 @@ class RebuiltError:
         governing = self.governing(metric)
         return UNKNOWN if governing is None else governing.estimate(metric)
 
-    @property
+    @cached_property
     def draws(self) -> ErrorDraws:
         """Draws of the largest error of the judged displacements; of the first where none is judged."""
         degrees = self.judged or self.displacements[:1]
@@ -308,7 +308,8 @@ def rebuild(
     `command`, `measured_displacement` [m], shape (n,), or (p, n) of several actuators; `time_step`,
     `feedback_lag` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
     shape (p, p), the identity by default; `sensor_offset` [m], of several sensors shape (p,), NaN where it is
-    not known; `resolution` [m]; `ground`: recorded ground acceleration [m/s²], shape (n,).
+    not known; `resolution` [m]; `ground`: recorded ground acceleration [m/s²], shape (n,), of which
+    one in another unit shows nothing.
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 

@@ -4,7 +4,7 @@ The equation of motion is fitted with the channel as it is recorded and reversed
 motion, in other units, and for one mass as its absolute acceleration.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -20,7 +20,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.recordings.recording import Channel, Part, Recording
+from reliab.recordings.recording import Part, Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
 
@@ -71,6 +71,9 @@ class ShownGround:
     misfit: float | None = None  # Share that it does not explain [-]; None where it was not compared
     notes: tuple[str, ...] = ()  # What was found about the channel, in sentences
     doubts: tuple[Contradiction, ...] = ()  # Where it contradicts the test
+    unit_factor: float = (
+        1.0  # By which it would explain the motion, where its unit is another one than stated
+    )
 
     def evidence(self, ground: Spectrum | None) -> Spectrum | None:
         """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
@@ -83,15 +86,11 @@ def examine_ground(
     *,
     duration: float,
     feedback_lag: float,
-    recorded: Sequence[Channel] = (),
-    name: str = "",
 ) -> ShownGround:
     """Compare a test with its recorded ground acceleration, or say why that cannot be this test's.
 
     Where that of the specimen as stated does not explain the motion, a recorded force among the `channels`
-    takes its place; `duration`, `feedback_lag` [s]; `recorded`: the columns of the test's file; `name`: what
-    the test is called.
-    Raises InputError where the channel explains the motion in another unit only.
+    takes its place; `duration`, `feedback_lag` [s].
     """
     if channels.ground is None:
         return ShownGround()
@@ -117,7 +116,7 @@ def examine_ground(
         return replace(best.shown(doubt.finding), doubts=(doubt,))
     if likely.absolute:
         return best.shown(_ABSOLUTE)
-    raise _other_unit(recorded, abs(likely.factor), name)
+    return replace(best.shown(), unit_factor=abs(likely.factor))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -266,10 +265,13 @@ def require_unit_of_force(
                 raise other_unit_of_force(ratio, recording.name)
 
 
-def _other_unit(recorded: Sequence[Channel], factor: float, name: str) -> InputError:
-    """Ask for the unit of a ground acceleration that explains the motion times a factor."""
+def refusal_of_unit(shown: ShownGround, recording: Recording) -> InputError | None:
+    """Ask for the unit of a ground acceleration that explains the motion in another one only."""
+    factor = shown.unit_factor
+    if factor == 1.0:
+        return None
     channel = next(
-        (candidate for candidate in recorded if candidate.part is Part.GROUND and candidate.unit),
+        (candidate for candidate in recording.channels if candidate.part is Part.GROUND and candidate.unit),
         None,
     )
     stated_unit, size = ("m/s2", 1.0) if channel is None else (channel.unit, abs(channel.factor))
@@ -286,7 +288,7 @@ def _other_unit(recorded: Sequence[Channel], factor: float, name: str) -> InputE
         value=f"{stated_unit}, while the motion of the test is that of {description}",
         remedy=f"{ask} the column's name, ground_acceleration [{unit or 'm/s2'}], or in a file "
         "`channels.toml`",
-        where=name,
+        where=recording.name,
     )
 
 
@@ -329,15 +331,8 @@ def doubts_of_ground(recording: Recording, structure: Structure, mass: float) ->
         ground=recording.ground,
         force=None if recording.force is None else recording.force[np.newaxis] / mass,
     )
-    try:
-        shown = examine_ground(
-            channels,
-            whole_structure(structure),
-            duration=recording.duration,
-            feedback_lag=0.0,
-            recorded=recording.channels,
-            name=recording.name,
-        )
-    except InputError as error:
-        return (f"{error.rule}; found {error.value}. {error.remedy}.",)
-    return shown.notes
+    shown = examine_ground(
+        channels, whole_structure(structure), duration=recording.duration, feedback_lag=0.0
+    )
+    error = refusal_of_unit(shown, recording)
+    return shown.notes if error is None else (f"{error.rule}; found {error.value}. {error.remedy}.",)

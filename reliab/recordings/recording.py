@@ -250,7 +250,9 @@ class Recording(PlainResult):
         }
 
     def select_actuator(self, place: int) -> "Recording":
-        """Return the displacements of one of several actuators, which must move."""
+        """Return the displacements of one of several actuators, which must move; an only one as it is."""
+        if not self.has_several:
+            return self
         return Recording(
             command=self.command[place],
             measured=self.measured[place],
