@@ -182,7 +182,7 @@ class FrameAssessment(JudgedTest):
 
     @property
     def stability_margin(self) -> float | None:
-        """Stability margin 1 − d/τ_c [-] of the latest actuator; None where no delay is stable."""
+        """Stability margin 1 − d/τ_c [-] of the latest actuator; None where any delay is unstable."""
         if math.isinf(self.critical_delay):
             return 1.0
         if self.critical_delay <= 0.0:
@@ -214,8 +214,8 @@ class FrameAssessment(JudgedTest):
                 yield "A and d over frequency are unknown: the displacements are hardly coherent."
         if not self.limit_of_gains:
             yield (
-                "With the measured gains no delay would be stable, so that they are too uncertain: the "
-                "stability margin is that of actuators without gain errors."
+                "With the measured gains the loop would be unstable even without delay. They are too "
+                "uncertain, so the stability margin is that of actuators without gain errors."
             )
 
     @property

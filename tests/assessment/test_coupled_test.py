@@ -192,6 +192,12 @@ def test_a_loop_beyond_its_critical_delay_has_no_margin(assessment):
     assert late.stability_margin == pytest.approx(-1.0)
 
 
+def test_gains_that_no_stable_loop_has_are_said(assessment):
+    uncertain = replace(assessment, limit_of_gains=False)
+    (sentence,) = set(uncertain.warnings) - set(assessment.warnings)
+    assert "unstable even without delay" in sentence
+
+
 def test_answers_for_one_actuator_refuse_several(recording_file):
     file, path, _ = recording_file
     with pytest.raises(InputError, match="driven at one degree of freedom"):
