@@ -17,7 +17,6 @@ from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
 from reliab.assessment.conflicts import (
     OwnEquation,
     compare_with_stated,
-    damping_from_channels,
     looks_nonlinear,
 )
 from reliab.assessment.default_criterion import criterion_of_test
@@ -28,7 +27,7 @@ from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.placement import place, place_by_response, scope_of_test
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.recorded_ground import require_unit_of_force
+from reliab.assessment.recorded_ground import mass_from_ground, require_unit_of_force
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
 from reliab.core.significant_digits import significant
@@ -54,6 +53,7 @@ _LEARNED_NOTE = (
     "`specimen` measured. State it as linear if it was."
 )
 _ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
+_ANY_MASS = 0.2  # of a mass that nobody stated, before force and ground acceleration are weighed
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
 
 
@@ -154,16 +154,20 @@ def assess(
         from reliab.assessment.frame_test import fit_to_frame
 
         recording, question = fit_to_frame(recording, question, criterion)
+    _require_judgeable(recording, question)
+    known_mass, question = question.mass, _find_mass(recording, question)
     if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
-    _require_judgeable(recording, question)
     if criterion is None and question.frame is None:
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
     judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
     if assumed and judged.error.posterior is not None:
         question, assumed = _take_shown_damping(question, judged.error.posterior)
-        judged = replace(judged, question=question)
+    if question.mass != known_mass:
+        question, sentence = _take_shown_mass(question, judged.error.rebuilt.inferred.posterior)
+        assumed = (*assumed, *sentence)
+    judged = replace(judged, question=question)
     if question.measured_specimen and not measured_specimen:
         assumed = (*assumed, _LEARNED_NOTE)
     if question.frame is None:
@@ -306,19 +310,38 @@ def _place_test(
     return place_on_own(motion, tracking, alignment, question)
 
 
+def _find_mass(recording: Recording, question: Question) -> Question:
+    """Take a mass that nobody stated as about the one that force and ground acceleration show."""
+    if question.frame is not None or question.model is not None or question.mass is not None:
+        return question
+    sound, lag = remove_spikes(recording)[0], question.feedback_lag
+    mass = mass_from_ground(sound, question.structure, feedback_lag=lag)
+    if mass is None:
+        return question
+    return replace(question, stated={**question.stated, "mass": StatedValue(mass, _ANY_MASS * mass)})
+
+
+def _take_shown_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
+    """Take the mass that the channels show, of which nothing was stated, and say so where it was used."""
+    mass = posterior.shown_value("mass", question.stated["mass"].value)
+    sentence = (
+        f"No mass was stated; the recorded force and ground acceleration show {significant(mass.value, 4)} ± "
+        f"{significant(mass.deviation, 1)} kg."
+    )
+    used = (sentence,) if posterior.circumstances.specimen_force else ()
+    return replace(question, stated={**question.stated, "mass": mass}), used
+
+
 def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
     """Take the damping ratio that the channels show, of which nothing was stated, and say so."""
-    ratio = damping_from_channels(posterior, question.structure)
+    ratio = posterior.shown_value("damping_ratio", question.structure.damping_ratio)
+    sentence = (
+        f"No damping ratio was stated; the recording shows {significant(ratio.value, 2)} ± "
+        f"{significant(ratio.deviation, 1)}, where any from 0.005 to 0.1 was possible."
+    )
     structure = replace(question.structure, damping_ratio=ratio.value)
     stated_values = {**question.stated, "xi": ratio}
-    return replace(question, structure=structure, stated=stated_values), (_shows_ratio(ratio),)
-
-
-def _shows_ratio(ratio: StatedValue) -> str:
-    size = f"{significant(ratio.value, 2)} ± {significant(ratio.deviation, 1)}"
-    return (
-        f"No damping ratio was stated; the recording shows {size}, where any from 0.005 to 0.1 was possible."
-    )
+    return replace(question, structure=structure, stated=stated_values), (sentence,)
 
 
 def _broaden_damping(question: Question) -> Question:

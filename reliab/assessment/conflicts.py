@@ -179,13 +179,6 @@ def identify_structure(shown: Sequence[TestPosterior], structure: Structure, mis
     )
 
 
-def damping_from_channels(posterior: TestPosterior, structure: Structure) -> StatedValue:
-    """Damping ratio that the channels show, of which nothing was stated."""
-    ratio = structure.damping_ratio
-    value = ratio * (1.0 + posterior.means["damping_ratio"])
-    return StatedValue(value, ratio * posterior.deviations["damping_ratio"])
-
-
 _FEWEST_PERIODS = 5.0
 
 

@@ -88,7 +88,8 @@ class Question:
             raise InputError(
                 "A measured specimen needs its force and the mass of the structure",
                 value="no force" if recording.force is None else "no `mass`",
-                remedy="Record the force that was fed back, and state `mass` in kilograms",
+                remedy="Record the force that was fed back, and state `mass` in kilograms or record the "
+                "ground acceleration, too",
                 where=recording.name,
             )
         if recording.force is None:

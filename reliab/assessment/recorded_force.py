@@ -330,8 +330,7 @@ def remark_on_force(
         if abs(stiffness / stated_stiffness - 1.0) <= _AGREES:
             return ""
         return (
-            f"The recorded force is {percent(stiffness / stated_stiffness, decimals=0)} of what the "
-            "stated mass, "
+            f"The recorded force is {percent(stiffness / stated_stiffness, decimals=0)} of what mass, "
             "frequency and share make of the measured displacement. Check them, and the scale of the force."
         )
     mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)

@@ -233,16 +233,24 @@ class _GroundFit:
 def require_unit_of_force(
     recording: Recording, structure: Structure, *, mass: float, feedback_lag: float
 ) -> None:
-    """Refuse a force in another unit than stated, by the equation of motion of the computer's part.
+    """Refuse a force in another unit than stated, by the mass that it would belong to.
 
-    Whatever the specimen does; `mass` of the structure [kg], `feedback_lag` [s].
+    `mass` of the structure [kg], `feedback_lag` [s].
+    """
+    shown = mass_from_ground(recording, structure, feedback_lag=feedback_lag)
+    if shown is not None and unit_like(shown / mass, tolerance=_SAME_FORCE):
+        raise other_unit_of_force(shown / mass, recording.name)
+
+
+def mass_from_ground(recording: Recording, structure: Structure, *, feedback_lag: float) -> float | None:
+    """Mass [kg] for which force and ground acceleration fit the computer's part, whatever the specimen does.
+
+    None where either was not recorded, or they do not explain the command; `feedback_lag` [s].
     """
     if recording.ground is None or recording.force is None:
-        return
-    kernel, w0 = (
-        SmoothingKernel.from_frequency(structure.frequency, recording.time_step),
-        structure.circular_frequency,
-    )
+        return None
+    kernel = SmoothingKernel.from_frequency(structure.frequency, recording.time_step)
+    w0 = structure.circular_frequency
     x, v, a = (kernel.smooth_derivative(recording.command, order) for order in range(3))
     computed_acceleration = (
         a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x
@@ -250,19 +258,15 @@ def require_unit_of_force(
     late = kernel.smooth_derivative(recording.force, 0) - feedback_lag * kernel.smooth_derivative(
         recording.force, 1
     )
-    columns = np.stack([late / mass, np.ones(late.size)], axis=1)
+    columns = np.stack([late, np.ones(late.size)], axis=1)
     shaken = kernel.smooth_derivative(recording.ground, 0)
-    for required_acceleration in (
-        -computed_acceleration - shaken,
-        -computed_acceleration + shaken,
-    ):  # also where the ground acceleration is reversed
+    for sign in (1.0, -1.0):  # a reversed ground acceleration is told elsewhere
+        required_acceleration = -computed_acceleration - sign * shaken
         values = np.linalg.lstsq(columns, required_acceleration, rcond=None)[0]
         unexplained = np.linalg.norm(required_acceleration - columns @ values)
-        factor = float(values[0])
-        if unexplained <= _LARGEST_MISFIT * np.linalg.norm(required_acceleration) and factor > 0.0:
-            ratio = 1.0 / factor
-            if unit_like(ratio, tolerance=_SAME_FORCE):
-                raise other_unit_of_force(ratio, recording.name)
+        if unexplained <= _LARGEST_MISFIT * np.linalg.norm(required_acceleration) and values[0] > 0.0:
+            return 1.0 / float(values[0])
+    return None
 
 
 def refusal_of_unit(shown: ShownGround, recording: Recording) -> InputError | None:

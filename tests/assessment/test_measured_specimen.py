@@ -500,6 +500,23 @@ def test_ground_acceleration_beside_a_force_shows_damping_and_lag_of_any_specime
     assert size.low < test.error < size.high
 
 
+def test_force_and_ground_acceleration_show_a_mass_that_nobody_states(test_with_ground) -> None:
+    test, recording, stated_values = test_with_ground
+    mass = 2500.0
+    recording = replace(recording, force=mass * recording.force)
+    ratio, known = test.loop.damping_ratio, {name: stated_values[name] for name in ("f", "alpha")}
+    result = assess(recording, xi=StatedValue(ratio, 0.1 * ratio), skew=StatedValue(0.0, 0.2), **known)
+    shown = result.stated["mass"]
+    assert abs(shown.value - mass) < 3.0 * shown.deviation < 0.03 * mass
+    assert result.error.specimen_known == "measured"
+    assert result.error.rms.low < test.error < result.error.rms.high
+    sentences = [sentence for sentence in result.warnings if "mass" in sentence]
+    assert len(sentences) == 1
+    assert sentences[0].startswith("No mass was stated; the recorded force and ground acceleration show ")
+    with pytest.raises(InputError, match="record the ground acceleration"):
+        assess(replace(recording, ground=None), xi=ratio, specimen="measured", **known)
+
+
 @pytest.mark.slow
 def test_ground_acceleration_finds_a_damping_ratio_contradicts_it_and_narrows_the_error(
     test_with_ground,

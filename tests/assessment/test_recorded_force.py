@@ -16,7 +16,7 @@ from reliab.assessment.recorded_force import (
     remark_on_force,
     require_restoring_force,
 )
-from reliab.assessment.recorded_ground import require_unit_of_force
+from reliab.assessment.recorded_ground import mass_from_ground, require_unit_of_force
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
@@ -172,6 +172,7 @@ def test_the_ground_acceleration_tells_the_unit_of_any_force(displacement, unit,
     test = replace(test, ground=-reversed_ * (computed_values + test.force / 1000.0))
     options = {"mass": 1000.0, "feedback_lag": 0.0}
     require_unit_of_force(test, structure, **options)
+    assert mass_from_ground(test, structure, feedback_lag=0.0) == pytest.approx(1000.0, rel=0.01)
     with pytest.raises(InputError, match="State the unit of the force"):
         require_unit_of_force(replace(test, force=test.force / unit), structure, **options)
 
@@ -191,9 +192,7 @@ def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(displacem
     structure = Structure(frequency=1.0, damping_ratio=0.05)
     test = replace(test, force=ratio * test.force)
     result = assess(test, structure, stated={"mass": StatedValue(1000.0)})
-    messages = any(
-        "of what the stated mass, frequency and share make" in warning for warning in result.warnings
-    )
+    messages = any("of what mass, frequency and share make" in warning for warning in result.warnings)
     assert messages is (ratio != 1.0)
 
 

@@ -30,6 +30,8 @@ ROWS = {
     "defaults": {},
     "nonlinear_force": {"force": True, "yielding": True},
     "nonlinear_force_ground": {"force": True, "ground": True, "yielding": True},
+    "ground_force_no_mass": {"specimen": "linear", "ground": True, "force": True, "states_mass": False},
+    "nonlinear_no_mass": {"force": True, "ground": True, "yielding": True, "states_mass": False},
     "nonlinear": {"yielding": True},
 }
 EXCITATIONS = ("earthquake", "harmonic", "sweep", "white", "pulse", "free")
@@ -200,7 +202,7 @@ def bilinear(ground, omega, ratio, share, law, step, fine=8):
     return answer
 
 
-def ask(world, generator, *, ground=False, force=False, is_calibrated=False, specimen=None):
+def ask(world, generator, *, ground=False, force=False, states_mass=True, is_calibrated=False, specimen=None):
     """Record a test as a laboratory does, state what it knows, and judge it."""
     step, time = 1.0 / world.rate, np.arange(world.command.size) / world.rate
     scale, skew = 1.0 + generator.uniform(-0.005, 0.005), generator.uniform(-0.5, 0.5) * step
@@ -241,7 +243,7 @@ def ask(world, generator, *, ground=False, force=False, is_calibrated=False, spe
         xi=world.damping_ratio * (1.0 + generator.uniform(-0.2, 0.2)),
         alpha=world.share,
         specimen=specimen,
-        **({"mass": MASS} if force else {}),
+        **({"mass": MASS} if force and states_mass else {}),
         **statements,
     )
 

@@ -19,6 +19,7 @@ from reliab.assessment.inference.quantities import UncertainQuantity, list_unkno
 from reliab.assessment.inference.randomized_optimization import Draws, LeastSquares
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Shape
 from reliab.core.arrays import Array, Spectrum
+from reliab.core.stated_value import StatedValue
 
 DRAWS = 256
 """Draws of a posterior."""
@@ -74,6 +75,10 @@ class TestPosterior:
         spread = self.values - self.draws.weights @ self.values
         deviation = np.sqrt(self.draws.weights @ spread**2)
         return dict(zip((unknown.name for unknown in self.unknowns), deviation.tolist(), strict=True))
+
+    def shown_value(self, name: str, stated: float) -> StatedValue:
+        """Return what the channels show of a quantity with a relative deviation, where that was stated."""
+        return StatedValue(stated * (1.0 + self.means[name]), stated * self.deviations[name])
 
     def conflict(self, unknown: UncertainQuantity, stated_share: float = 1.0) -> float:
         """How far the channels show a quantity from its stated value, over what both leave open.
