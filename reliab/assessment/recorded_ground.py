@@ -49,6 +49,7 @@ _PRIORS = np.array([0.1, 0.3])  # standard deviations of their factors before th
 _LEFT_OPEN = 0.004  # of the frequency, one standard deviation: what scales and clocks are taken for
 _NEAR = 2.0  # factor between the best factor of a channel and that of its unit
 _TOO_SHORT = "The test is too short for its structure to be identified from the recorded ground acceleration."
+_AT_ZERO = "The recorded ground acceleration is zero throughout. Nothing was learned from it."
 _SIGN_NOTE = "The ground acceleration has the opposite sign."
 _ABSOLUTE = (
     "The channel of the ground acceleration is not this test's ground acceleration: it moves as the absolute "
@@ -94,6 +95,8 @@ def examine_ground(
     """
     if channels.ground is None:
         return ShownGround()
+    if not np.any(channels.ground):
+        return ShownGround(notes=(_AT_ZERO,))
     lowest = float(structure.natural_frequencies[0])
     if duration * lowest < _FEWEST_PERIODS:
         return ShownGround(notes=(_TOO_SHORT,))

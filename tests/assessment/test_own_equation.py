@@ -99,7 +99,11 @@ def test_unstated_damping_ratio_comes_from_the_test(assessments, assumptions):
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     ("sign", "words"),
-    [(-1.0, "opposite sign"), *((unit, "does not belong to this test") for unit in (1e6, 6.0, -0.5))],
+    [
+        (-1.0, "opposite sign"),
+        (0.0, "zero throughout"),
+        *((unit, "does not belong to this test") for unit in (1e6, 6.0, -0.5)),
+    ],
 )
 def test_another_ground_acceleration_is_said(assessments, sign, words):
     _, result = assessments(sign=sign)
