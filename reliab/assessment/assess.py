@@ -27,6 +27,7 @@ from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.placement import place, place_by_response, scope_of_test
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
+from reliab.assessment.recorded_force import require_stated_forces
 from reliab.assessment.recorded_ground import mass_from_ground, require_unit_of_force
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
@@ -162,11 +163,7 @@ def assess(
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
     judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
-    if assumed and judged.error.posterior is not None:
-        question, assumed = _take_shown_damping(question, judged.error.posterior)
-    if question.mass != known_mass:
-        question, sentence = _take_shown_mass(question, judged.error.rebuilt.inferred.posterior)
-        assumed = (*assumed, *sentence)
+    question, assumed = _take_what_is_shown(judged, assumed, finds_mass=question.mass != known_mass)
     judged = replace(judged, question=question)
     if question.measured_specimen and not measured_specimen:
         assumed = (*assumed, _LEARNED_NOTE)
@@ -186,6 +183,7 @@ def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
     """Whether a specimen of which nothing is stated, and which can be learned, is nonlinear by its force."""
     is_open = question.linear and not (question.linear_specimen or question.equipment.is_exact)
     frame = question.frame
+    is_open = is_open and not recording.has_several  # of which each force depends on all displacements
     has_masses = "mass" in question.stated if frame is None else not frame.partition.specimen_mass.any()
     if not is_open or not has_masses or recording.force is None:
         return False
@@ -199,6 +197,8 @@ def _require_judgeable(recording: Recording, question: Question) -> None:
     for number, channel in _moving_channels(recording):
         stiffness = question.stiffness_of_specimen(number)
         require_plausible(channel, stiffness=stiffness, linear=question.linear)
+    if recording.has_several:
+        require_stated_forces(recording, question.full_structure, question.to_interface)
     if question.frame is None and question.mass is not None and question.linear:
         sound, *_ = remove_spikes(recording)
         require_unit_of_force(
@@ -319,6 +319,22 @@ def _find_mass(recording: Recording, question: Question) -> Question:
     if mass is None:
         return question
     return replace(question, stated={**question.stated, "mass": StatedValue(mass, _ANY_MASS * mass)})
+
+
+def _take_what_is_shown(
+    judged: JudgedError, assumed: tuple[str, ...], *, finds_mass: bool
+) -> tuple[Question, tuple[str, ...]]:
+    """Take what the channels show of a damping ratio or a mass that nobody stated, and say so.
+
+    `assumed`: that no damping ratio was stated; `finds_mass`: whether the channels have to show the mass.
+    """
+    question, error = judged.question, judged.error
+    if assumed and error.posterior is not None:
+        question, assumed = _take_shown_damping(question, error.posterior)
+    if finds_mass:
+        question, sentence = _take_shown_mass(question, error.rebuilt.inferred.posterior)
+        assumed = (*assumed, *sentence)
+    return question, assumed
 
 
 def _take_shown_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:

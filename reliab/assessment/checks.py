@@ -34,6 +34,10 @@ _NONLINEAR = (
     "State `specimen` as measured, with the `mass`: its behaviour is then learned from its recorded "
     "force; or give a model of it that `reliab diagnose` calibrated."
 )
+_NONLINEAR_OF_SEVERAL = (
+    "State the stiffness that the specimen had in this test, with its deviation. A specimen that several "
+    "actuators drive is not learned from its forces."
+)
 _NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
 _COPY_REMEDY = "Export the test again, each channel from its own sensor."
@@ -300,7 +304,8 @@ def check_faults(test: JudgedError) -> Iterator[Doubt]:
 def check_force(test: JudgedError) -> Iterator[Doubt]:
     """See whether the recorded force is that of a linear specimen."""
     if test.equation.nonlinear:
-        yield Doubt(finding=test.equation.nonlinear, remedy=_NONLINEAR, of_structure=True)
+        remedy = _NONLINEAR_OF_SEVERAL if test.recording.has_several else _NONLINEAR
+        yield Doubt(finding=test.equation.nonlinear, remedy=remedy, of_structure=True)
 
 
 CHECKS: Final[tuple[Callable[[JudgedError], Iterator[Doubt]], ...]] = (

@@ -3,11 +3,13 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from reliab.assessment.budget.sizes import PriorSource, ordinary_equipment
 from reliab.assessment.inference.posterior import TestPosterior, infer
 from reliab.assessment.inference.quantities import QUANTITIES, UncertainQuantity
 from reliab.assessment.inference.uncertain_quantity import Prior, Shape
-from reliab.assessment.rebuilt_error.noise import estimate_noise
+from reliab.assessment.rebuilt_error.noise import estimate_noises
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.assessment.recorded_ground import ShownGround
 from reliab.assessment.verdict import Contradiction
@@ -239,9 +241,10 @@ def looks_nonlinear(recording: Recording, structure: Structure) -> str:
     """Say that the recorded force is that of a nonlinear specimen; empty where it is not."""
     if recording.force is None or recording.duration * structure.frequency < _FEWEST_PERIODS:
         return ""
-    noise = estimate_noise(recording.command, recording.measured, recording.time_step)
-    smooth_displacement = noise.smooth(recording.measured)
-    check = examine_specimen(smooth_displacement, recording.force, recording.time_step, structure.frequency)
+    step, measured = recording.time_step, np.atleast_2d(recording.measured)
+    noises = estimate_noises(np.atleast_2d(recording.command), measured, step)
+    smooth = np.stack([noise.smooth(row) for noise, row in zip(noises, measured, strict=True)])
+    check = examine_specimen(smooth, np.atleast_2d(recording.force), step, structure.frequency)
     if not check.nonlinear:
         return ""
     share = percent(check.share, decimals=1)

@@ -118,6 +118,7 @@ def _order_channels(recording: Recording, frame: FrameUnderTest) -> Recording:
         recording,
         command=np.atleast_2d(recording.command)[order],
         measured=np.atleast_2d(recording.measured)[order],
+        force=None if recording.force is None else np.atleast_2d(recording.force)[order],
         actuators=tuple(recording.actuators[place] or "1" for place in order),
     )
 

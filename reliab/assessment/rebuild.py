@@ -104,8 +104,9 @@ class Readings:
 
         `command`, `measured_displacement` [m], with its stated scale taken away, shape (n,) or (p, n);
         `time_step` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
-        shape (p, p), the identity by default; `ground` [m/s²]; `force` over the mass [N/kg], shape (n,);
-        `sensor_offsets`, NaN where it is not known, and `resolution` of the displacement sensors [m].
+        shape (p, p), the identity by default; `ground` [m/s²]; `force` at the actuators [N], of one mass over
+        the mass [N/kg], shape (n,) or (p, n); `sensor_offsets`, NaN where it is not known, and `resolution`
+        of the displacement sensors [m].
         """
         command, read = check_histories(command, measured_displacement, time_step, partition)
         stride = samples_in_step_of_structure(partition, time_step)
@@ -123,7 +124,7 @@ class Readings:
             time_step,
             partition,
             ground=ground,
-            force=None if force is None else force[np.newaxis],
+            force=None if force is None else np.atleast_2d(force),
             interface_matrix=carry,
             resolution=resolution or 0.0,
             offset_size=np.array([start.offset_deviation for start in starts]),

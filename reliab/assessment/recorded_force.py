@@ -23,6 +23,7 @@ from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.recording import Recording
 from reliab.signals.cubic_path import CubicPath
 from reliab.signals.spectra import convolve_valid, detrend
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 _FEWEST_SAMPLES = 32  # of the smoothed histories
@@ -87,24 +88,12 @@ def require_restoring_force(
     along it, as if its sign were reversed. Reverse the sign of the force: it is positive where the specimen
     is pushed in the positive direction.
     """
-    if not np.ptp(force) > 0.0:
-        raise InputError(
-            "The recorded force does not change during the test",
-            value=f"{force[0]:g} throughout",
-            remedy="Check that the load cell was connected, or leave the column out",
-            where=name,
-        )
+    _require_change(force, name)
     examined = ExaminedForce.from_histories(measured_displacement, force, time_step)
     if examined is None:
         return None
     if examined.reverse_explains and not examined.may_be_right:
-        raise InputError(
-            "The recorded force does not resist the motion",
-            value="a force that acts along it, as if its sign were reversed",
-            remedy="Reverse the sign of the force: it is positive where the specimen is pushed in the "
-            "positive direction",
-            where=name,
-        )
+        raise _reversed_force(name)
     if examined.unexplained > _UNRELATED_POWER:
         raise InputError(
             "The recorded force does not follow the measured displacement",
@@ -116,6 +105,49 @@ def require_restoring_force(
     if stiffness:
         _require_unit(examined, stiffness, name, linear=linear, is_stiffness_fitted=is_stiffness_fitted)
     return examined
+
+
+def require_stated_forces(recording: Recording, partition: Partition, to_interface: Array) -> None:
+    """Refuse forces of several actuators that are reversed, stand still or are in another unit.
+
+    Each is compared with that of the stated springs, which all displacements of the interface strain;
+    `to_interface`: interface displacements of unit displacements of the actuators [-], shape (p, p).
+    """
+    if recording.force is None:
+        return
+    stiffness = to_interface.T @ partition.specimen_stiffness @ to_interface
+    for number, force, row in zip(
+        recording.actuators, recording.force, stiffness @ recording.measured, strict=True
+    ):
+        name = f"{recording.name}, actuator {number}"
+        _require_change(force, name)
+        resistance, spring = detrend(force), detrend(row)
+        work, power = float(resistance @ spring), float(spring @ spring)
+        correlation = work / max(float(np.linalg.norm(resistance)) * np.sqrt(power), np.finfo(float).tiny)
+        if correlation < -_SPRING:
+            raise _reversed_force(name)
+        if correlation > _SPRING:
+            _require_ratio(work / power, name, straight=correlation > _STRAIGHT)
+
+
+def _require_change(force: Array, name: str) -> None:
+    if not np.ptp(force) > 0.0:
+        raise InputError(
+            "The recorded force does not change during the test",
+            value=f"{force[0]:g} throughout",
+            remedy="Check that the load cell was connected, or leave the column out",
+            where=name,
+        )
+
+
+def _reversed_force(name: str) -> InputError:
+    return InputError(
+        "The recorded force does not resist the motion",
+        value="a force that acts along it, as if its sign were reversed",
+        remedy="Reverse the sign of the force: it is positive where the specimen is pushed in the positive "
+        "direction",
+        where=name,
+    )
 
 
 _PERIODS_OF_KERNEL = 0.5
@@ -236,7 +268,7 @@ def doubts_of_force(recording: Recording, examined: ExaminedForce | None = None)
     `examined`: its force, if that was examined before.
     """
     clean, *_ = remove_spikes(recording)
-    if examined is None and clean.force is not None:
+    if examined is None and clean.force is not None and not clean.has_several:
         examined = ExaminedForce.from_histories(clean.measured, clean.force, clean.time_step)
     if examined is None:
         return
@@ -344,9 +376,16 @@ def _require_unit(
     examined: ExaminedForce, stiffness: float, name: str, *, linear: bool, is_stiffness_fitted: bool
 ) -> None:
     straight, slope = examined.stiffness_above(_STRAIGHT) is not None, examined.stiffness
-    if slope is None:
-        return
-    ratio = slope / stiffness
+    if slope is not None:
+        _require_ratio(
+            slope / stiffness, name, straight=straight, linear=linear, is_stiffness_fitted=is_stiffness_fitted
+        )
+
+
+def _require_ratio(
+    ratio: float, name: str, *, straight: bool, linear: bool = False, is_stiffness_fitted: bool = False
+) -> None:
+    """Refuse a stiffness over the stated one that another unit makes, or no specimen has."""
     # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
     near = _SAME_UNIT_FITTED if is_stiffness_fitted else _SAME_UNIT
     exact = straight and not linear and bool(unit_like(ratio, tolerance=near))

@@ -95,11 +95,9 @@ def examine_ground(
     """
     if channels.ground is None:
         return ShownGround()
-    if not np.any(channels.ground):
-        return ShownGround(notes=(_AT_ZERO,))
-    lowest = float(structure.natural_frequencies[0])
-    if duration * lowest < _FEWEST_PERIODS:
-        return ShownGround(notes=(_TOO_SHORT,))
+    lowest, moves = float(structure.natural_frequencies[0]), bool(np.any(channels.ground))
+    if not moves or duration * lowest < _FEWEST_PERIODS:
+        return ShownGround(notes=(_TOO_SHORT if moves else _AT_ZERO,))
     linear = _GroundFit(channels=channels, structure=structure, feedback_lag=feedback_lag)
     readings = [linear] if channels.force is None else [linear, replace(linear, by_force=True)]
     fits = [replace(reading, factor=sign).fit() for reading in readings for sign in (1.0, -1.0)]
@@ -217,8 +215,9 @@ class _GroundFit:
         structure = self.structure.scale(frequency=self.frequency, damping_ratio=self.damping_ratio)
         response = respond(structure, channels.band)
         borne = interface_forces(response.impedance, command)
-        acting = channels.force if self.by_force else None
-        if acting is None:
+        if self.by_force and channels.force is not None:
+            acting = channels.force_at_interface(channels.force)
+        else:
             acting = interface_forces(response.impedance, channels.to_interface @ channels.measured)
         acting = acting * channels.band.advance(-self.feedback_lag)
         required_forces = interface_forces(response.stiffness, command) - borne + acting

@@ -38,6 +38,14 @@ class Likeness:
         return self.correlation >= _LEAST_CORRELATION and 1.0 / _LARGEST_RATIO <= self.ratio <= _LARGEST_RATIO
 
 
+def rises(values: Array) -> bool:
+    """Whether a history rises by steps that are not whole numbers, which a counter has."""
+    if not (np.abs(values) < LARGEST_READING).all():
+        return False
+    steps = np.diff(values)
+    return bool(steps.size and steps.mean() > 0.0 and (steps >= 0.0).all() and steps.mean() != 1.0)
+
+
 def moves(values: Array) -> bool:
     """Whether a history of numbers moves."""
     numbers = values[np.abs(values) < LARGEST_READING]

@@ -19,6 +19,7 @@ from reliab.recordings.readers.registry import read_tests
 from reliab.recordings.recognition import recognise
 from reliab.recordings.recording import (
     DISPLACEMENTS,
+    PARTS_OF_ACTUATORS,
     QUANTITY_OF,
     Channel,
     ChannelDeclaration,
@@ -46,7 +47,7 @@ _LEAST_EXPLAINED_SHARE: Final = (
     0.9  # share of a nameless column that the motion explains, from which it may be a force
 )
 _NUMBERED_NAME: Final = re.compile(
-    r"^(command|measured)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in)\)?)?$"
+    r"^(command|measured|force)[ _]?([A-Za-z0-9]+?)(?:[ _]\(?(rad|mrad|deg|mm|cm|m|in|k?[Nn]|lbf|kgf)\)?)?$"
 )
 _LENGTH_WORDS: Final = ("", "displacement ", "length ")  # before "units" in a header
 _NAMES_SHOWN: Final = 20  # of the tests of a file, in a message
@@ -225,7 +226,7 @@ def histories_of(
 
 
 def recording_of(histories: ChannelHistories, *, several: bool = False) -> Recording:
-    """Take the displacements of a test, with ground acceleration, and with the force of an only actuator.
+    """Take the displacements of a test, with ground acceleration, and with forces where all are recorded.
 
     `several`: whether there may be several actuators; they come in the order of their numbers.
     """
@@ -240,18 +241,21 @@ def recording_of(histories: ChannelHistories, *, several: bool = False) -> Recor
             where=histories.columns.location,
         )
     values, columns = histories.values, histories.columns
-    command, measured = (
-        np.stack([values[keys[part, number]] for number in numbers]) for part in DISPLACEMENTS
-    )
-    is_single = len(numbers) == 1
+    rows = {
+        part: np.stack([values[keys[part, number]] for number in numbers])
+        for part in PARTS_OF_ACTUATORS
+        if all((part, number) in keys for number in numbers)
+    }
+    if len(numbers) == 1:
+        rows = {part: row for part, (row,) in rows.items()}
     return Recording(
-        command=command[0] if is_single else command,
-        measured=measured[0] if is_single else measured,
+        command=rows[Part.COMMAND],
+        measured=rows[Part.MEASURED],
         time_step=histories.time_step,
         name=f"{columns.path.name}, {columns.test}" if columns.test else columns.path.name,
         notes=tuple(dict.fromkeys(histories.notes)),
         ground=values.get("ground acceleration"),
-        force=values.get("force") if is_single else None,
+        force=rows.get(Part.FORCE),
         stated=read_statements(columns),
         channels=tuple(channels),
         actuators=numbers,
@@ -259,10 +263,11 @@ def recording_of(histories: ChannelHistories, *, several: bool = False) -> Recor
 
 
 def number_pairs(columns: Columns) -> Columns:
-    """Take columns command_1, measured_1, command_2, … as those of actuators where there are several."""
+    """Take columns command_1, measured_1, force_1, … as those of actuators where there are several."""
     matches = {name: match for name in columns.values if (match := _NUMBERED_NAME.match(name))}
     parts = {name: (match[1], match[2]) for name, match in matches.items()}
-    if len(set(parts.values())) == len(parts) > len(DISPLACEMENTS):
+    displacements = [part for part, _ in parts.values() if part in DISPLACEMENTS]
+    if len(set(parts.values())) == len(parts) and len(displacements) > len(DISPLACEMENTS):
         return replace(columns, parts={**columns.parts, **parts})
     return columns
 

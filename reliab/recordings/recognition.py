@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
-from reliab.recordings.behaviour import Likeness, compare, moves, share_explained
+from reliab.recordings.behaviour import Likeness, compare, moves, rises, share_explained
 from reliab.recordings.naming import (
     ROLELESS_RANK,
     Meaning,
@@ -28,7 +28,6 @@ from reliab.recordings.naming import (
 from reliab.recordings.readers.columns import Columns
 from reliab.recordings.recording import (
     DISPLACEMENTS,
-    LARGEST_READING,
     QUANTITY_OF,
     Channel,
     ChannelDeclaration,
@@ -37,10 +36,7 @@ from reliab.recordings.recording import (
 from reliab.recordings.words import UNITS, ChannelRole, Measurand, Unit, unit_of, units_text
 
 _SIMILAR = 0.7
-_LOWEST_CORRELATION, _HIGHEST_CORRELATION = (
-    0.5,
-    0.9,
-)  # correlation of columns that are no pair, and of some that may be one
+_LOWEST_CORRELATION, _HIGHEST_CORRELATION = 0.5, 0.9  # of columns that are no pair, and that may be one
 _LEAST_LAG = 0.25  # samples by which one history must follow another before that says which is measured
 _CLEAR = 3.0  # times nearer than the next pair
 _EXPLAINED_FORCE = 0.95  # share of a nameless force that the measured motion explains at least
@@ -81,19 +77,17 @@ class _Search:
         """Find the column of the times; None where there is none."""
         if (explicit := self._missing_declared(Part.TIME)) is not None:
             return explicit
+        values = self._columns.values
         candidates = [meaning for meaning in self._part_name.values() if meaning.quantity is Measurand.TIME]
         if len(candidates) > 1 and self._histories:
-            candidates = [meaning for meaning in candidates if self._rises(meaning.column)] or candidates
+            candidates = [meaning for meaning in candidates if rises(values[meaning.column])] or candidates
         exact = [meaning for meaning in candidates if plain(meaning.column) in {"time", "t", "times"}]
         if candidates:
             return self._channel(Part.TIME, (exact or candidates)[0], "its name or unit")
         if self._columns.named or not self._histories:
             return None
-        rising = [
-            meaning
-            for meaning in self._part_name.values()
-            if meaning.unit is None and self._rises(meaning.column)
-        ]
+        others = (meaning for meaning in self._part_name.values() if meaning.unit is None)
+        rising = [meaning for meaning in others if rises(values[meaning.column])]
         if len(rising) != 1:
             return None
         return self._channel(Part.TIME, rising[0], "the only column that rises by equal steps")
@@ -136,22 +130,41 @@ class _Search:
         )
 
     def extras(self, pairs: Sequence[Channel], time: Channel | None) -> tuple[Channel, ...]:
-        """Find ground acceleration and force, where one column is it."""
+        """Find ground acceleration and force where one column is it, and the forces of several actuators."""
         taken_columns = {channel.column for channel in pairs}
+        numbers = [channel.actuator for channel in pairs if channel.part is Part.COMMAND]
         candidates = []
         for part, rank in ((Part.GROUND, rank_as_ground), (Part.FORCE, rank_as_force)):
+            if part is Part.FORCE and len(numbers) > 1:
+                candidates += self._forces_by_number(numbers, taken_columns)
+                continue
             explicit = self._missing_declared(part)
-            ranking = [] if explicit else self._rank(rank, taken_columns)
-            best = [meaning for place, meaning in ranking if place == ranking[0][0]]
+            best = [] if explicit else _likeliest(self._rank(rank, taken_columns))
+            is_unnamed = part is Part.FORCE and not best
             if part is Part.FORCE and len(best) > 1:
                 best = self._best_explained_force(best, pairs)
             if explicit is not None:
                 candidates.append(explicit)
-            elif part is Part.FORCE and not ranking:
+            elif is_unnamed:
                 candidates += self._force_by_histories(pairs, time)
             elif len(best) == 1:
                 candidates.append(self._channel(part, best[0], "its name or unit"))
         return tuple(candidates)
+
+    def _forces_by_number(self, numbers: Sequence[str], taken_columns: set[str]) -> list[Channel]:
+        """Find the forces of several actuators, where one column with the number of each is it."""
+        named = [
+            (number, self._part_name[column])
+            for column, (name, number) in self._columns.parts.items()
+            if number and name == Part.FORCE
+        ]
+        if not named:
+            best = _likeliest(self._rank(rank_as_force, taken_columns))
+            named = [(meaning.number or "0", meaning) for meaning in best]
+        if sorted(number for number, _ in named) != sorted(numbers):
+            return []
+        reason = "its name and number"
+        return [self._channel(Part.FORCE, meaning, reason, number) for number, meaning in named]
 
     def _rank(
         self, rank: Callable[[Meaning], int | None], taken_columns: Iterable[str]
@@ -287,7 +300,7 @@ class _Search:
         """Pairs of several actuators: the likeliest columns bear numbers, each once, and the same in both."""
         meanings: dict[Part, dict[str, Meaning]] = {}
         for part in DISPLACEMENTS:
-            first = [meaning for place, meaning in ranking[part] if place == ranking[part][0][0]]
+            first = _likeliest(ranking[part])
             meanings[part] = {meaning.number: meaning for meaning in first}
             if len(meanings[part]) < max(len(first), 2):
                 return ()
@@ -377,12 +390,9 @@ class _Search:
             return None, None
         pairs.sort(key=lambda item: -item[0].correlation)
         likeness, first, second = pairs[0]
-        rivals = [
-            item for item in pairs[1:] if {first.column, second.column} & {item[1].column, item[2].column}
-        ]
-        unclear = [
-            item for item in pairs[1:2] if _CLEAR * (1.0 - likeness.correlation) > 1.0 - item[0].correlation
-        ]
+        names, distance = {first.column, second.column}, 1.0 - likeness.correlation
+        rivals = [item for item in pairs[1:] if names & {item[1].column, item[2].column}]
+        unclear = [item for item in pairs[1:2] if _CLEAR * distance > 1.0 - item[0].correlation]
         if rivals or unclear:  # two sensors of one motion are more alike than command and motion
             column_names = dict.fromkeys(
                 meaning.column for item in (pairs[0], *rivals, *unclear) for meaning in item[1:]
@@ -410,7 +420,7 @@ class _Search:
         used_names = {channel.column for channel in (*pairs, *((time,) if time else ()))}
         names = [name for name in self._columns.values if name not in used_names and self._moves(name)]
         nameless = not self._columns.named and self._histories
-        if not nameless or len(names) != 1 or set(motion) != set(DISPLACEMENTS) or len(pairs) != 2:  # noqa: PLR2004
+        if not nameless or len(names) != 1 or set(motion) != set(DISPLACEMENTS):
             return []
         (name,), displacement = names, motion[Part.MEASURED]
         values, meaning = self._columns.values[name], self._part_name[name]
@@ -450,14 +460,6 @@ class _Search:
     def _moves(self, column: str) -> bool:
         return moves(self._columns.values[column])
 
-    def _rises(self, column: str) -> bool:
-        """Whether a column rises by steps that are not whole numbers, which a counter has."""
-        values = self._columns.values[column]
-        if not (np.abs(values) < LARGEST_READING).all():
-            return False
-        steps = np.diff(values)
-        return bool(steps.size and steps.mean() > 0.0 and (steps >= 0.0).all() and steps.mean() != 1.0)
-
     def _ambiguous(self, part: Part, candidates: Sequence[Meaning]) -> InputError:
         those = " and ".join(repr(meaning.column) for meaning in candidates)
         return InputError(
@@ -487,6 +489,10 @@ class _Search:
             name = names[close[0]]
             return f"Did you mean {name!r}? Then rename it to {part}, or give `{part}={name}`"
         return f"Name the column {part}, or say which it is with `{part}`"
+
+
+def _likeliest(ranking: Sequence[tuple[int, Meaning]]) -> list[Meaning]:
+    return [meaning for place, meaning in ranking if place == ranking[0][0]]
 
 
 def _part_name(part: Part) -> str:

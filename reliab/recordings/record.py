@@ -1,10 +1,11 @@
 """The open record of a test: one NetCDF file with everything that a reader in ten years needs.
 
-Dimensions `actuator` and `time`. Variables `command` and `measured` [m] over both, `force` [N] and
-`ground_acceleration` [m s-2] over time where they were recorded, and every other channel of the source as it
-stood there. Each carries `units` (UDUNITS), `long_name`, `source_column` and `transformation`; the attributes
-of the file say from which file it was made (name and SHA-256), and by whom, on which rig and when, as far as
-that was stated. It is described on the page "Recordings" of the documentation.
+Dimensions `actuator` and `time`. Variables `command` and `measured` [m] over both and, where they were
+recorded, `force` [N], of several actuators over both, and `ground_acceleration` [m s-2] over time; and every
+other channel of the source as it stood there. Each carries `units` (UDUNITS), `long_name`, `source_column`
+and `transformation`; the attributes of the file say from which file it was made (name and SHA-256), and by
+whom, on which rig and when, as far as that was stated. It is described on the page "Recordings" of the
+documentation.
 """
 
 import re
@@ -23,7 +24,7 @@ from reliab.core.untrusted_files import objects_of, open_hdf5
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.hierarchical import STATED_ATTRIBUTES, text_of
 from reliab.recordings.reading import ChannelHistories, histories_of, read_statements, read_test
-from reliab.recordings.recording import FEWEST_SAMPLES, Channel, Part, StatedChannels
+from reliab.recordings.recording import DISPLACEMENTS, FEWEST_SAMPLES, Channel, Part, StatedChannels
 from reliab.version import __version__
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ def _variable(histories: ChannelHistories, part: Part) -> tuple[Any, ...]:
     rows = [histories.values[key] for key in channels]
     if not rows:
         return ()
-    has_actuators = part in {Part.COMMAND, Part.MEASURED}
+    has_actuators = part in DISPLACEMENTS or len(rows) > 1
     return (
         ("actuator", "time") if has_actuators else ("time",),
         np.stack(rows) if has_actuators else rows[0],
@@ -230,8 +231,8 @@ def _faults(file: "h5py.File") -> Iterator[str]:
     size = file["time"].shape[0] if len(file["time"].shape) == 1 else 0
     for part, (name, unit, _) in _VARIABLES.items():
         if name in file:
-            has_actuators = part in {Part.COMMAND, Part.MEASURED}
-            shape = (*file["actuator"].shape, size) if has_actuators else (size,)
+            is_of_actuators = part in DISPLACEMENTS or (part is Part.FORCE and len(file[name].shape) > 1)
+            shape = (*file["actuator"].shape, size) if is_of_actuators else (size,)
             yield from _faults_of_variable(file[name], name, unit, shape)
     yield from _faults_of_time(file)
 

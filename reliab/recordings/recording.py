@@ -52,6 +52,9 @@ QUANTITY_OF: Final[Mapping[Part, Measurand]] = {
 DISPLACEMENTS: Final = (Part.COMMAND, Part.MEASURED)
 """Parts without which no test is judged."""
 
+PARTS_OF_ACTUATORS: Final = (*DISPLACEMENTS, Part.FORCE)
+"""Parts of which every actuator has its own."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelDeclaration:
@@ -166,7 +169,7 @@ class Recording(PlainResult):
     notes: tuple[str, ...] = field(default=())  # What was assumed when the test was read, in sentences
     # Ground acceleration [m/s²] that was recorded with the test, shape (n,)
     ground: NDArray[np.float64] | None = None
-    # Restoring force of the specimen [N], shape (n,); of an only actuator
+    # Restoring force of the specimen at each actuator [N], or [N m] of a rotation, shape as of the commands
     force: NDArray[np.float64] | None = None
     # Frequency "f" [Hz], damping ratio "xi", experimental fraction "alpha" and "scale" of the sensor of the
     # measured displacement [-] as far as the file's header states them; and what `channels.toml` holds as
@@ -200,9 +203,23 @@ class Recording(PlainResult):
                     remedy="Check that the column is the right one and the channel was connected",
                     where=self.name,
                 )
-        for description, extra in (("ground acceleration", self.ground), ("force", self.force)):
-            if extra is not None:
-                require_finite(extra, description, self.name)
+        if self.ground is not None:
+            require_finite(self.ground, "ground acceleration", self.name)
+        self._require_forces()
+
+    def _require_forces(self) -> None:
+        """Refuse forces that are not numbers, or not those of all actuators."""
+        if self.force is None:
+            return
+        if self.force.shape != self.command.shape:
+            raise InputError(
+                "Each actuator needs a force of the length of its command, if any is recorded",
+                value=f"forces of shape {self.force.shape} for commands of shape {self.command.shape}",
+                remedy="Give the forces of all actuators, or leave them out",
+                where=self.name,
+            )
+        for number, row in zip(self.actuators, np.atleast_2d(self.force), strict=True):
+            require_finite(row, f"force {number}".rstrip(), self.name)
 
     def _number_actuators(self) -> None:
         """Give several actuators numbers from 1 on where they have none."""

@@ -1,4 +1,4 @@
-"""Tests with several actuators, judged by `assess` with and without their ground acceleration.
+"""Tests with several actuators, judged by `assess` without and with their ground acceleration and forces.
 
     python tests/benchmarks/several_actuators.py FOLDER --seed S --count N --decibels 40 30
 
@@ -39,6 +39,12 @@ from reliab.structures.partition import Partition
 RATE = 512.0
 CLOCK = 1024.0  # Hz, of the converters, whose recordings are thinned to RATE
 LONGEST = 30.0  # s
+RECORDED = {  # whether the ground acceleration and the forces are
+    "displacements": (False, False),
+    "with ground": (True, False),
+    "with forces": (False, True),
+    "with ground and forces": (True, True),
+}
 LONGEST_LAG = 8e-3  # s, of actuators; shorter until the loop is stable
 
 
@@ -77,7 +83,7 @@ def draw_actuators(kinematics: np.ndarray, longest: float, rng: np.random.Genera
 def tests(
     name: str, frame: FrameUnderTest, seed: int, records: list[Path], options: argparse.Namespace
 ) -> Iterator[dict[str, object]]:
-    """Simulate a test and judge it at each level of noise, with and without its ground acceleration."""
+    """Simulate a test and judge it at each level of noise, with more and more of what was recorded."""
     rng = np.random.default_rng([seed, len(name)])
     partition, kinematics, longest = frame.partition, frame.kinematics, LONGEST_LAG
     while True:
@@ -93,12 +99,17 @@ def tests(
     command, measured = kinematics @ run.command, kinematics @ run.measured
     read = measured if options.exact else read_by_chance(measured, rng, options.clock, scale=0.003)
     white = rng.standard_normal(measured.shape) * measured.std(axis=1, keepdims=True)
-    for level, has_ground in product(options.decibels, (False, True)):
+    force = np.linalg.solve(kinematics.T, specimen_force(tested, run.measured))
+    felt = force if options.exact else read_by_chance(force, rng, options.clock, scale=0.005)
+    felt_noise = rng.standard_normal(force.shape) * force.std(axis=1, keepdims=True)
+    for level, (recorded, (has_ground, has_force)) in product(options.decibels, RECORDED.items()):
+        size = 10.0 ** (-level / 20.0)
         recording = Recording(
             command=command,
-            measured=read + 10.0 ** (-level / 20.0) * white,
+            measured=read + size * white,
             time_step=1.0 / RATE,
             ground=ground if has_ground else None,
+            force=felt + size * felt_noise if has_force else None,
         )
         begin = time.process_time()
         equipment = exact_equipment() if options.exact else ordinary_equipment()
@@ -111,7 +122,7 @@ def tests(
             yield {
                 "structure": name,
                 "decibels": level,
-                "recorded": "with ground" if has_ground else "displacements",
+                "recorded": recorded,
                 "seed": seed,
                 "true": true[place],
                 "ratio": rms.value / true[place],
@@ -121,6 +132,16 @@ def tests(
                 "false": probability > 0.95 if bad else probability < 0.05,
                 "seconds": took,
             }
+
+
+def specimen_force(tested: Partition, displacement: np.ndarray) -> np.ndarray:
+    """Force of the specimen along the motion of the interface [N]."""
+    velocity = np.gradient(displacement, 1.0 / RATE, axis=1)
+    return (
+        tested.specimen_stiffness @ displacement
+        + tested.specimen_damping @ velocity
+        + tested.specimen_mass @ np.gradient(velocity, 1.0 / RATE, axis=1)
+    )
 
 
 def off_by_chance(partition: Partition, rng: np.random.Generator) -> Partition:

@@ -57,7 +57,7 @@ class ChannelSpectra:
     drift_size: Array  # Size of its rise over the test [m], shape (p,)
     initial_size: float  # Size of the error with which a record that begins in motion may begin [m]
     ground: Spectrum | None = None  # Ground acceleration [m/s²], shape (K,)
-    force: Spectrum | None = None  # Recorded force [N]
+    force: Spectrum | None = None  # Recorded forces at the actuators [N], shape (p, K)
     # Displacement of the interface that the channels do not hold: that in which it stood before the record,
     # less what the command answered it with [m], shape (p,)
     standing: Array | float = 0.0
@@ -160,6 +160,10 @@ class ChannelSpectra:
     def interface_command(self) -> Spectrum:
         """Commands of the interface displacements [m]."""
         return np.asarray(self.to_interface @ self.command)
+
+    def force_at_interface(self, forces: Spectrum) -> Spectrum:
+        """Return the forces on the interface displacements [N] that do the work of those at the actuators."""
+        return np.asarray(np.linalg.solve(self.to_interface.T, forces))
 
     def cells(self, spectra: Spectrum, highest: float | None = None) -> Array:
         """Coefficients over time and frequency of histories, shape (p, J, k), without the record's ends.

@@ -22,6 +22,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from reliab.assessment.inference.cells import fit_excess, fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
@@ -156,11 +157,15 @@ class BalanceOfForces(EvidenceOfChannels):
     @cached_property
     def _sensor_shares(self) -> Array:
         """Share of each sensor in the noise of each residual, by columns of cells, shape (k, rows, p)."""
+        return np.asarray(np.abs(self._unmix[self._places] @ self._noise[self._places]) ** 2)
+
+    @cached_property
+    def _places(self) -> NDArray[np.int64]:
+        """Places of the columns of cells among the frequencies of the band."""
         columns = self._motion.shape[-1]
         frequencies = (np.arange(columns) + 0.5) / (2.0 * self.channels.hop * self.channels.band.time_step)
         places = np.searchsorted(self.channels.band.s.imag, 2.0 * np.pi * frequencies)
-        places = np.minimum(places, len(self._noise) - 1)
-        return np.asarray(np.abs(self._unmix[places] @ self._noise[places]) ** 2)
+        return np.minimum(places, len(self._noise) - 1)
 
     @cached_property
     def _motion(self) -> Array:
@@ -440,5 +445,15 @@ class SpecimenForce(BalanceOfForces):
 
     def noise_level(self, experiment: Experiment, share: Array) -> Array:
         """Logarithm of the noise of displacement sensors and load cell, over that as stated."""
-        load_cell = 1.0 - share
-        return np.asarray(super().noise_level(experiment, share) - load_cell * np.log(experiment.force_scale))
+        sensors = super().noise_level(experiment, share)
+        load_cells = self._load_cell_shares @ np.log(experiment.force_scale)
+        return np.asarray(sensors - (1.0 - share) * load_cells.T[:, np.newaxis])
+
+    @cached_property
+    def _load_cell_shares(self) -> Array:
+        """Share of each load cell in its noise of each residual, by columns of cells, shape (k, rows, p)."""
+        carry, impedance = self.channels.to_interface, self.partition.impedance(self.channels.band.s)
+        forces = carry.T @ interface_forces(impedance, carry @ self.channels.measured)
+        noise = np.linalg.inv(carry.T) * self.channels.band.history(forces).std(axis=-1)
+        power = np.abs(self._unmix[self._places] @ noise) ** 2 + np.finfo(float).tiny
+        return np.asarray(power / power.sum(axis=-1, keepdims=True))

@@ -26,8 +26,8 @@ class Experiment:
     feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
     ground_scale: float = 1.0  # Recorded ground acceleration over the true one [-]
     ground_skew: float = 0.0  # Time by which it was recorded late [s]
-    force_scale: float = 1.0  # Recorded force over the true one [-]
-    force_skew: float = 0.0  # Time by which it was recorded late [s]
+    force_scale: Array = None  # type: ignore[assignment]  # Recorded forces over the true ones [-], (p,)
+    force_skew: Array = None  # type: ignore[assignment]  # Time by which they were recorded late [s], (p,)
     specimen_lead: float = 0.0  # Time by which its viscous damping makes a specimen's force early [s]
     attached_mass: float = 0.0  # Between load cell and specimen, beyond the stated one [kg]
     load_path_friction: float = 0.0  # Beyond the stated one [N]
@@ -42,8 +42,17 @@ class Experiment:
     @classmethod
     def as_stated(cls, actuators: int) -> "Experiment":
         """Start from values that leave everything as stated."""
-        skew, hysteresis, offset, drift = np.zeros((4, actuators))
-        return cls(scale=np.ones(actuators), skew=skew, hysteresis=hysteresis, offset=offset, drift=drift)
+        scale, force_scale = np.ones((2, actuators))
+        skew, hysteresis, offset, drift, force_skew = np.zeros((5, actuators))
+        return cls(
+            scale=scale,
+            skew=skew,
+            hysteresis=hysteresis,
+            offset=offset,
+            drift=drift,
+            force_scale=force_scale,
+            force_skew=force_skew,
+        )
 
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
@@ -81,11 +90,11 @@ class Experiment:
         return np.asarray(channels.ground * interpolation / self.ground_scale * earlier)
 
     def force(self, channels: ChannelSpectra) -> Spectrum | None:
-        """Return the true force of the specimen [N], shape (p, K); None where it was not recorded."""
+        """Return the true force of the specimen at the interface [N], shape (p, K); None if not recorded."""
         if channels.force is None:
             return None
-        earlier = channels.band.advance(self.force_skew)
-        return np.asarray(channels.force / self.force_scale * earlier)
+        forces = channels.force * channels.band.advance(self.force_skew) / self.force_scale[:, np.newaxis]
+        return channels.force_at_interface(forces)
 
 
 @lru_cache(maxsize=8)

@@ -45,8 +45,13 @@ def _scale_value(name: str) -> Callable[[Experiment, float, int], None]:
     return change
 
 
-def _scale_of_sensor(experiment: Experiment, value: float, actuator: int) -> None:
-    experiment.scale[actuator] *= 1.0 + value
+def _scale_of_sensor(name: str) -> Callable[[Experiment, float, int], None]:
+    """Change the scale of an actuator's sensor by a relative difference."""
+
+    def change(experiment: Experiment, value: float, actuator: int) -> None:
+        getattr(experiment, name)[actuator] *= 1.0 + value
+
+    return change
 
 
 def _skew(circumstances: Circumstances, equipment: Equipment) -> float:
@@ -149,8 +154,9 @@ QUANTITIES = (
         words="mass of the structure and scale of the load cell",
         unit="%",
         remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
-        change=_scale_value("force_scale"),
+        change=_scale_of_sensor("force_scale"),
         ordinary=_size_with_force(lambda _, equipment: equipment.force_scale),
+        actuator_specific=True,
         option="mass",
         relative=True,
     ),
@@ -159,8 +165,9 @@ QUANTITIES = (
         words="lag of the recorded force",
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
-        change=_add_difference("force_skew"),
+        change=_add_to_sensor("force_skew"),
         ordinary=_size_with_force(_lag_of_further_channel),
+        actuator_specific=True,
         option="force_lag",
     ),
     Quantity(
@@ -305,7 +312,7 @@ QUANTITIES = (
         words="scale of the displacement sensor",
         unit="%",
         remedy="Calibrate the displacement sensor and give its `scale`.",
-        change=_scale_of_sensor,
+        change=_scale_of_sensor("scale"),
         ordinary=lambda _, equipment: equipment.scale,
         actuator_specific=True,
         option="scale",

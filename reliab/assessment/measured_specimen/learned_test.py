@@ -183,7 +183,7 @@ class LearnedTest(SimulatedTest):
 
     def lag_of_force(self, world: Experiment) -> float:
         """Time by which the force was recorded later than the displacement, beyond what is stated [s]."""
-        return world.force_skew - (0.0 if self.channel.has_lag else float(world.skew[0]))
+        return float(world.force_skew[0]) - (0.0 if self.channel.has_lag else float(world.skew[0]))
 
     @property
     def unexplained_force(self) -> float:
@@ -271,7 +271,7 @@ class LearnedTest(SimulatedTest):
         if lag or any(mass_and_friction):
             target_force = target_force - np.array([lag, *mass_and_friction]) @ self.path.thin(self.added)
         felt = np.array([lag if self.channel.has_lag else 0.0, *mass_and_friction])
-        numerical, mass = self._recursion(world), max(world.force_scale, _LEAST)
+        numerical, mass = self._recursion(world), max(float(world.force_scale[0]), _LEAST)
         for far in (0.0,) if draw is None else (members.spread_factor, 0.0):
             member, command_force = members.member(counts, target_force, far)
             specimen = replace(member, coefficients=member.coefficients / mass)
@@ -322,7 +322,7 @@ class LearnedTest(SimulatedTest):
             draw, off = self._draw(world, number), float(generator.standard_normal())
             force = self.force_of(draw.specimen, draw.response)
             force += off * draw.specimen.missed * float(np.std(force))
-            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=world.force_scale)
+            work = self.work_of(draw.specimen, draw.measured, draw.response, mass=float(world.force_scale[0]))
             yield self.structure(world), draw.response[np.newaxis], force[np.newaxis], work + off * scatter
 
 

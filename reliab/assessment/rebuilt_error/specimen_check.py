@@ -24,6 +24,7 @@ _SAMPLES_PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept
 _BLOCK = 0.4  # periods
 _RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
+_KINDS = 3  # of shapes: elastic, dissipating and yielding ones
 _YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a Jenkins element slips
 _TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
 _GAIN = 0.25  # share of the residual that must vanish on the other half
@@ -45,9 +46,10 @@ class SpecimenCheck:
 def examine_specimen(
     measured_displacement: Array, force: Array, time_step: float, frequency: float
 ) -> SpecimenCheck:
-    """Compare a recorded force with that of a linear specimen.
+    """Compare recorded forces with those of a linear specimen, and answer for the most nonlinear one.
 
-    `measured_displacement` [m]; `time_step` [s]; `frequency` [Hz].
+    `measured_displacement` [m] and `force` [N], shape (n,), or (p, n) of several actuators, each of which may
+    move all; `time_step` [s]; `frequency` [Hz].
 
     >>> time = np.arange(0.0, 30.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.1 * time)
@@ -61,10 +63,11 @@ def examine_specimen(
             "Displacement and force must have the same length",
             value=f"{measured_displacement.size}, {force.size}",
         )
-    if measured_displacement.size * time_step * frequency < FEWEST_PERIODS:
+    periods = measured_displacement.shape[-1] * time_step * frequency
+    if periods < FEWEST_PERIODS:
         raise InputError(
             f"A specimen is examined over at least {FEWEST_PERIODS:.0f} periods",
-            value=significant(measured_displacement.size * time_step * frequency, 2),
+            value=significant(periods, 2),
             remedy="Give the whole test",
         )
     low_pass = _low_pass(frequency, time_step)
@@ -73,11 +76,20 @@ def examine_specimen(
     def smooth(history: Array) -> Array:
         return convolve_valid(history, low_pass)[::stride]
 
-    velocity = np.gradient(measured_displacement, time_step)
-    linear = [smooth(row) for row in (measured_displacement, velocity, np.gradient(velocity, time_step))]
+    linear: list[Array] = []
+    groups: list[list[Array]] = [[] for _ in range(_KINDS)]
+    for row in np.atleast_2d(measured_displacement):
+        velocity = np.gradient(row, time_step)
+        linear += [smooth(history) for history in (row, velocity, np.gradient(velocity, time_step))]
+        for group, shapes in zip(groups, _shapes(row, velocity), strict=True):
+            group += [smooth(shape) for shape in shapes]
     linear.append(np.ones(linear[0].size))
-    groups = [[smooth(row) for row in group] for group in _shapes(measured_displacement, velocity)]
-    target = smooth(force)
+    checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]
+    return max(checks, key=lambda check: (check.nonlinear, check.share))
+
+
+def _compare(linear: list[Array], groups: list[list[Array]], target: Array) -> SpecimenCheck:
+    """Compare what linear shapes explain of a force with what they and groups of others do."""
     block = max(int(_BLOCK * _SAMPLES_PER_PERIOD), 1)
     half = (np.arange(target.size) // block) % 2 == 0
     plain = _cross_validation_residual(np.stack(linear), target, half)
@@ -91,11 +103,7 @@ def examine_specimen(
     explained_share = max(plain - rich, 0.0)
     gain = explained_share / plain if plain > 0.0 else 0.0
     share = float(np.sqrt(explained_share / power))
-    return SpecimenCheck(
-        nonlinear=bool(gain > _GAIN and share > _LEAST),
-        share=share,
-        gain=gain,
-    )
+    return SpecimenCheck(nonlinear=bool(gain > _GAIN and share > _LEAST), share=share, gain=gain)
 
 
 def _low_pass(frequency: float, step: float) -> Array:
