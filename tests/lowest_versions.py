@@ -2,8 +2,7 @@
 
     python tests/lowest_versions.py [PYTEST ARGUMENT ...]
 
-A virtual environment is made in a temporary folder, or in the folder that the environment variable
-LOWEST_VERSIONS names, where it stays for the next run. A bound that is not true shows itself as an
+A virtual environment is made in a temporary folder. A bound that is not true shows itself as an
 installation that fails or a test that does. Deprecations of old versions are no errors here.
 """
 
@@ -44,10 +43,8 @@ def pins() -> list[str]:
 def main(arguments: list[str]) -> int:
     """Make the environment, install, run the tests; return their exit code."""
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(os.environ.get("LOWEST_VERSIONS", temporary))
-        if not (folder / "pyvenv.cfg").exists():
-            venv.create(folder, with_pip=True)
-        python = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
+        venv.create(temporary, with_pip=True)
+        python = Path(temporary) / ("Scripts" if os.name == "nt" else "bin") / "python"
         subprocess.run(  # noqa: S603 - our own environment
             [python, "-m", "pip", "install", "--quiet", "--editable", ROOT, *pins()], check=True
         )
