@@ -9,10 +9,6 @@ threshold      the same for true errors about the threshold: 3.5 to 7.5 %
 coverage       90 % intervals and probabilities: random noise, wrong f (sd 1 %), ξ (10 %), scale (0.5 %)
 levels         20 to 60 dB and quantised sensors, structure known
 small          true errors of 0.1 to 0.6 %, structure known
-parameters     f, ξ and contradictions where ground acceleration (and force) are recorded at 40 dB
-nonlinear      cubic, Coulomb, hysteresis: the model off by 1 % in each parameter, and none; false flags
-monitor        time for a sample, distance from offline
-time           offline, 40 s at 1024 Hz
 
 Tests are simulated by `tests/assessment/rebuilt_error/laboratory.py` under the real records of FOLDER (a
 folder with a catalog.csv, `../shared/motions` by default), each cut at random to 15 to 40 s.
@@ -20,35 +16,23 @@ folder with a catalog.csv, `../shared/motions` by default), each cut at random t
 
 import argparse
 import math
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import paths
-from laboratory_tests import STEP, draw_ground, draw_test, noise_level, read_records
+from laboratory_tests import STEP, draw_test, noise_level, read_records
 from rebuilt_error import laboratory as lab
 from scipy.stats import beta
 
-from reliab.assessment.assess import assess
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
-from reliab.assessment.modelled_test import rebuild_with_specimen
-from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import RebuiltError, rebuild
-from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
-from reliab.core.stated_value import StatedValue
-from reliab.core.vocabulary import Metric
-from reliab.effects.registry import find_effect
-from reliab.recordings.recording import Recording
-from reliab.simulation.hybrid_test.model import HybridTest
-from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
-SPECIMENS = ("linear", "cubic", "Coulomb", "hysteresis")
 
 Row = dict[str, object]
 ACTUATORS = (lab.DELAY, lab.DELAY, lab.LAG, lab.RATE_LIMIT, lab.BACKLASH, lab.LEAD, lab.SECOND_ORDER)
@@ -238,161 +222,6 @@ def state_small(rows: pd.DataFrame) -> None:
     state_levels(rows.assign(decibels=50.0))
 
 
-def parameters(series: Series, number: int) -> Iterator[Row]:
-    """f, ξ and contradictions."""
-    test, rng = series.draw(number, 0.002, 0.3)
-    o = test.outcome
-    measured, ground, force = (
-        values + lab.noise("white", values.size, 0.01 * float(np.std(values)), rng)
-        for values in (o.measured, o.ground, o.force)
-    )
-    for has_force in (True, False):
-        row: Row = {"force": has_force}
-        for name, factor in (("right", 1.0), ("wrong", float(rng.choice([0.98, 1.02])))):
-            stated_structure = replace(test.structure, frequency=factor * test.lab.f)
-            recording = Recording(
-                command=o.command,
-                measured=measured,
-                time_step=STEP,
-                ground=ground,
-                force=force if has_force else None,
-            )
-            mass = {"mass": StatedValue(1.0)} if has_force else {}
-            equation = assess(recording, stated_structure, stated=mass).equation
-            if (identification := equation.identified) is None:
-                continue
-            row[f"{name}_contradicted"] = "f" in equation.wrong
-        row["f_off"] = abs(identification.frequency.value / test.lab.f - 1.0)
-        row["xi_off"] = abs(identification.damping_ratio.value / test.lab.xi - 1.0)
-        yield row
-
-
-def state_parameters(rows: pd.DataFrame) -> None:
-    """How near, and how often contradicted."""
-    for has_force, group in rows.groupby("force"):
-        text = "recorded" if has_force else "absent"
-        print(
-            f"force {text}: f within 0.2 % {share(group['f_off'] < 0.002)}, "
-            f"ξ within 5 % {share(group['xi_off'] < 0.05)}; f wrong by 2 % reported "
-            f"{share(group['wrong_contradicted'])}, right f contradicted {share(group['right_contradicted'])}"
-        )
-
-
-def nonlinear(series: Series, number: int) -> Iterator[Row]:
-    """Nonlinear specimens with and without a model."""
-    rng = series.rng(number)
-    for kind in (lab.LINEAR, lab.CUBIC, lab.COULOMB, lab.HYSTERESIS):
-        while True:
-            ground = draw_ground(series.records, rng)
-            f, xi = math.exp(rng.uniform(math.log(0.5), math.log(2.0))), rng.uniform(0.02, 0.05)
-            w0, k = 2.0 * math.pi * f, (2.0 * math.pi * f) ** 2
-            peak = float(np.abs(lab.run(lab.Lab(f, xi), ground, ideal=ground).command).max())
-            shape, test, deviations = specimen(kind, k, w0, peak, f, xi, rng)
-            tau = 2.0 * xi / w0 * rng.uniform(0.05, 0.3)
-            o = lab.run(lab.Lab(f, xi, 1.0, lab.DELAY, (1.0 - 0.1 * xi, tau, 0.0, 0.0), kind, shape), ground)
-            if np.isfinite(o.rms) and 0.01 < o.rms < 0.2:
-                break
-        measured = read(o, "white", 40.0, rng)
-        force = o.force + lab.noise("white", o.force.size, 0.01 * float(np.std(o.force)), rng)
-        plain = rebuild(o.command, measured, STEP, Structure(frequency=f, damping_ratio=xi), draws=2)
-        row: Row = {"specimen": SPECIMENS[kind], "linear_ratio": plain.rms.value / o.rms}
-        row["flagged"] = examine_specimen(plain.histories.measured[0], force, STEP, f).nonlinear
-        if test is not None:
-            rebuilt_with_model = rebuild_with_specimen(o.command, measured, STEP, test, deviations=deviations)
-            row["ratio"] = rebuilt_with_model.rms.value / o.rms
-            row["inside"] = rebuilt_with_model.rms.low <= o.rms <= rebuilt_with_model.rms.high
-        yield row
-
-
-def state_nonlinear(rows: pd.DataFrame) -> None:
-    """How often flagged, and how near with a model."""
-    for kind, group in rows.groupby("specimen", sort=False):
-        print(
-            f"{kind}: flagged {share(group['flagged'])}, linear ratio {group['linear_ratio'].median():.2f} "
-            "(median)"
-        )
-        if group["ratio"].notna().any():
-            is_near = np.abs(group["ratio"] - 1.0) < 0.1
-            is_covered = group["inside"].astype(str) == "True"
-            print(f"  with a model: within 10 % {share(is_near)}, inside {share(is_covered)}")
-
-
-def specimen(
-    kind: int, k: float, w0: float, peak: float, f: float, xi: float, rng: np.random.Generator
-) -> tuple[tuple[float, float, float], HybridTest | None, dict[str, float]]:
-    """Numbers of a specimen, and a model of it that is off by 1 % in each parameter."""
-    structure, off = Structure(frequency=f, damping_ratio=xi), 1.0 + 0.01 * rng.standard_normal(4)
-    if kind == lab.CUBIC:
-        shape = (rng.uniform(0.1, 0.5) / peak**2, 0.0, 0.0)
-        effect = find_effect("cubic_stiffness")
-        name = effect.parameters[0].name
-        effects, stiffness = effect(**{name: k * shape[0] * off[1]}), k
-        stated_deviations = {f"cubic_stiffness.{name}": 0.01 * k * shape[0]}
-    elif kind == lab.COULOMB:
-        shape = (rng.uniform(0.02, 0.1) * k * peak, 0.02 * w0 * peak, 0.0)
-        effects = find_effect("coulomb_friction")(
-            force_n=shape[0] * off[1], regularisation_velocity_m_per_s=shape[1] * off[2]
-        )
-        stiffness, stated_deviations = k, {"coulomb_friction.force_n": 0.01 * shape[0]}
-        stated_deviations["coulomb_friction.regularisation_velocity_m_per_s"] = 0.01 * shape[1]
-    elif kind == lab.HYSTERESIS:
-        shape = (rng.uniform(0.2, 0.5) * peak, rng.uniform(0.1, 0.5), 2.0)
-        stiffness, force = shape[1] * k, (1.0 - shape[1]) * k * shape[0]
-        effects = find_effect("hysteresis")(
-            force_n=force * off[1], displacement_m=shape[0] * off[2], gamma=0.5, exponent=2.0, lost_share=0.0
-        )
-        stated_deviations = {"hysteresis.force_n": 0.01 * force, "hysteresis.displacement_m": 0.01 * shape[0]}
-    else:
-        return (0.0, 0.0, 0.0), None, {}
-    stated_deviations["stiffness_n_per_m"] = 0.01 * stiffness
-    test = HybridTest(
-        structure=structure, specimen=Specimen(stiffness=stiffness * off[0]), effects=(effects,)
-    )
-    return shape, test, stated_deviations
-
-
-def monitor(series: Series, count: int) -> None:
-    """Time for a sample with all intervals that `reliab monitor` asks for, and distance from offline."""
-    test, rng = series.draw(0, 0.01, 0.2)
-    o = test.outcome
-    measured = read(o, "white", 40.0, rng)
-    tolerances = PriorKnowledge(tolerances={"frequency": 0.01, "damping_ratio": 0.1, "sensor_scale": 0.005})
-    offline_error = rebuild(o.command, measured, STEP, test.structure, known=tolerances)
-    for _ in range(count):
-        follow = Monitor(test.structure, STEP, known=tolerances)
-        chunk = 64
-        follow.feed(o.command[:chunk], measured[:chunk])
-        begin = time.process_time()
-        for first in range(chunk, o.command.size, chunk):
-            follow.feed(o.command[first : first + chunk], measured[first : first + chunk])
-            if follow.due:
-                follow.ask()
-        spent = (time.process_time() - begin) / (o.command.size - chunk)
-        last = follow.ask(draws=256)
-        expected = offline_error.displacements[0].error
-        off = np.abs(follow.error - expected).max() / np.abs(expected).max()
-        print(
-            f"{1e6 * spent:.1f} µs of processor a sample, history off by {off:.1e}, "
-            f"RMS^R by {abs(last.rms.value / offline_error.rms.value - 1.0):.1e}, its high end by "
-            f"{abs(last.rms.high / offline_error.rms.high - 1.0):.1e}"
-        )
-
-
-def offline(series: Series, count: int) -> None:
-    """Processor time of one rebuilding with intervals, and of what widens them."""
-    tolerances = PriorKnowledge(tolerances={"frequency": 0.01, "damping_ratio": 0.1, "sensor_scale": 0.005})
-    for number in range(count):
-        test, rng = series.draw(number, 0.01, 0.2)
-        o = test.outcome
-        measured = read(o, "white", 40.0, rng)
-        begin = time.process_time()
-        rebuilt = rebuild(o.command, measured, STEP, test.structure, known=tolerances)
-        middle = time.process_time()
-        rebuilt.inferred.widenings(Metric.RMS)
-        widening_time = time.process_time() - middle
-        print(f"{o.command.size} samples: {middle - begin:.3f} s, widenings {widening_time:.3f} s")
-
-
 PARTS = {
     "history": (history, state_history, 60),
     "noise": (noise, state_noise, 200),
@@ -400,12 +229,8 @@ PARTS = {
     "coverage": (coverage, state_coverage, 1000),
     "levels": (levels, state_levels, 60),
     "small": (small, state_small, 100),
-    "parameters": (parameters, state_parameters, 200),
-    "nonlinear": (nonlinear, state_nonlinear, 60),
 }
 """Rows of one test, what is said of all rows, and how many tests."""
-
-TIMINGS = {"monitor": (monitor, 2), "time": (offline, 3)}
 
 
 def measure(part: str, series: Series, count: int, out: Path | None) -> pd.DataFrame:
@@ -428,7 +253,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("part", choices=[*PARTS, *TIMINGS])
+    parser.add_argument("part", choices=PARTS)
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="CSV with a row for each test, in which a run resumes")
@@ -436,13 +261,9 @@ def main() -> None:
     parser.add_argument("--records", type=Path, default=paths.MOTIONS)
     options = parser.parse_args()
     series = Series(read_records(options.records), options.seed)
-    if options.part in TIMINGS:
-        measure_times, count = TIMINGS[options.part]
-        measure_times(series, options.count or count)
-    else:
-        rows = measure(options.part, series, options.count or PARTS[options.part][2], options.out)
-        if options.figure is not None and options.part == "coverage":
-            draw_reliability(rows, options.figure)
+    rows = measure(options.part, series, options.count or PARTS[options.part][2], options.out)
+    if options.figure is not None and options.part == "coverage":
+        draw_reliability(rows, options.figure)
 
 
 if __name__ == "__main__":
