@@ -38,32 +38,41 @@ class FrameTest:
 
 
 @compiled
-def _run(law, parameters, unit, stiffness_of_specimen, inverse, damping, stiffness, mass, load, actuator):
-    """Floors in the computer, displacement of the specimen in the first storey and its force."""
+def _run(
+    law,
+    parameters,
+    unit,
+    specimen_stiffness,
+    propagators,
+    loads,
+    actuator,
+    state,
+    floors,
+    displacement,
+    force,
+):
+    """Write floors in the computer, displacement of the specimen in the first storey and its force.
+
+    `propagators`: what a step makes of the floors now, of those before, and of a force on the first floor.
+    """
+    now, before, by_force = propagators
     gain, delay = actuator
     whole_steps, part = int(delay / STEP), delay / STEP - int(delay / STEP)
-    size = load.shape[1]
-    state, force, last = np.zeros(STATES), np.zeros(size), 0.0
-    command = np.zeros((load.shape[0] + 1, size))
-    displacement, specimen_force = np.zeros(load.shape[0]), np.zeros(load.shape[0])
-    for i in range(load.shape[0]):
-        near = command[i - whole_steps, 0] if i >= whole_steps else 0.0
-        far = command[i - whole_steps - 1, 0] if i > whole_steps else 0.0
+    last = 0.0
+    for i in range(displacement.size):
+        near = floors[i - whole_steps, 0] if i >= whole_steps else 0.0
+        far = floors[i - whole_steps - 1, 0] if i > whole_steps else 0.0
         displacement[i] = gain * ((1.0 - part) * near + part * far)
         step_over_unit = (displacement[i] - last) / unit
         last = displacement[i]
-        specimen_force[i] = (
-            stiffness_of_specimen
-            * unit
-            * resist(
-                law, displacement[i] / unit, step_over_unit, step_over_unit / STEP, STEP, state, parameters
-            )
-        )
-        force[0] = specimen_force[i]
-        last_command = command[i - 1] if i > 0 else np.zeros(size)
-        right = load[i] - force - stiffness @ command[i] + damping @ last_command / (2.0 * STEP)
-        command[i + 1] = inverse @ (right + mass @ (2.0 * command[i] - last_command) / STEP**2)
-    return command[:-1].copy(), displacement, specimen_force
+        share = resist(law, last / unit, step_over_unit, step_over_unit / STEP, STEP, state, parameters)
+        force[i] = specimen_stiffness * unit * share
+        for row in range(loads.shape[1]):
+            floors[i + 1, row] = loads[i, row] - by_force[row, 0] * force[i]
+            for column in range(loads.shape[1]):
+                floors[i + 1, row] += now[row, column] * floors[i, column]
+                if i > 0:
+                    floors[i + 1, row] += before[row, column] * floors[i - 1, column]
 
 
 def simulate_frame_test(
@@ -87,22 +96,31 @@ def simulate_frame_test(
     )
     numerical = stiffness - specimen_stiffness * np.outer(interface, interface)
     inverse = np.linalg.inv(mass / STEP**2 + damping / (2.0 * STEP))
-    load = np.ascontiguousarray(-ground[:, np.newaxis] * mass.sum(axis=1))
+    inertia = mass / STEP**2
+    propagators = np.stack(
+        [inverse @ (2.0 * inertia - numerical), inverse @ (damping / (2.0 * STEP) - inertia), inverse]
+    )
+    loads = -ground[:, np.newaxis] * (inverse @ mass.sum(axis=1))
+
+    def run(law, parameters, unit, *actuator):
+        """Floors in the computer, displacement of the specimen and its force."""
+        floors, (displacement, force) = np.zeros((ground.size + 1, storeys)), np.zeros((2, ground.size))
+        _run(
+            law, parameters, unit, specimen_stiffness, propagators, loads, actuator,
+            np.zeros(STATES), floors, displacement, force,
+        )  # fmt: skip
+        return floors[:-1], displacement, force
+
     law, traits = FAMILIES[family]
     no_parameters = np.zeros(PARAMETERS)
     parameters = no_parameters.copy()
     sample = traits(draw)
     parameters[: len(sample)] = sample
-    matrices = (inverse, damping, numerical, mass, load)
-    perfect, linear = np.array([1.0, 0.0]), FAMILIES["linear"][0]
-    peak = float(
-        np.abs(_run(linear, no_parameters, 1.0, specimen_stiffness, *matrices, perfect)[0][:, 0]).max()
-    )
+    peak = float(np.abs(run(FAMILIES["linear"][0], no_parameters, 1.0, 1.0, 0.0)[0][:, 0]).max())
     unit = peak / draw.uniform(1.5, 5.0)
     late = abs(draw.normal()) * 0.003 / float(complete.modes.frequency[0])
-    actuator = np.array([1.0 + 0.01 * draw.normal(), late])
-    exact, _, exact_force = _run(law, parameters, unit, specimen_stiffness, *matrices, perfect)
-    floors, displacement, force = _run(law, parameters, unit, specimen_stiffness, *matrices, actuator)
+    exact, _, exact_force = run(law, parameters, unit, 1.0, 0.0)
+    floors, displacement, force = run(law, parameters, unit, 1.0 + 0.01 * draw.normal(), late)
     noise = 10.0 ** (-decibels / 20.0)
     recording = Recording(
         name=family,
