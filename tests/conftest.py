@@ -7,8 +7,9 @@ import pickle
 import sys
 import unicodedata
 from collections import OrderedDict, defaultdict
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -47,10 +48,18 @@ def pytest_configure(config):
     settings.load_profile("few" if config.getoption("markexpr") == "not slow" else "many")
     if config.getoption("numprocesses", None):
         os.environ.setdefault("OMP_NUM_THREADS", "1")
+    if getattr(config, "workerinput", {}).get("workerid") == "gw1":
+        for name in _IMPORTED_FIRST_BY_THE_SECOND:
+            with suppress(ImportError):
+                import_module(name)
     if config.getoption("record", default=False) and not hasattr(config, "workerinput"):
         from slow_record import RECORD, SlowRecord, commit
 
         config.pluginmanager.register(SlowRecord(RECORD, commit()))
+
+
+_IMPORTED_FIRST_BY_THE_SECOND = ("panel", "distributed", "matplotlib.pyplot", "scipy.stats")
+"""What the second process imports first: in a new environment each then compiles what the other reads."""
 
 
 def pytest_collection(session):
