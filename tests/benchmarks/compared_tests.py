@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from imperfect_recordings import later, question
 from laboratory_tests import (
     LARGEST,
     SMALLEST,
@@ -24,7 +23,9 @@ from laboratory_tests import (
     argument_parser,
     draw_ground,
     draw_structure,
+    later,
     misstate_structure,
+    question,
     read_records,
 )
 from rebuilt_error import laboratory as lab

@@ -11,7 +11,10 @@ import pandas as pd
 import paths  # noqa: F401 - makes the laboratory importable
 from rebuilt_error import laboratory as lab
 
+from reliab.assessment.budget.sizes import Equipment
+from reliab.assessment.error_of_test import Question
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.core.vocabulary import Metric
 from reliab.structures.structure import Structure
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
@@ -51,7 +54,6 @@ def draw_test(
     rng: np.random.Generator,
     limits: tuple[float, float],
     actuators: Sequence[int],
-    specimen: int = lab.LINEAR,
 ) -> tuple[lab.Lab, lab.Outcome]:
     """Draw a test whose RMS^R lies between the limits."""
     while True:
@@ -61,23 +63,11 @@ def draw_test(
         peak = float(np.abs(ideal).max())
         if not peak > 0.0:
             continue
-        if specimen != lab.LINEAR:
-            rig = replace(rig, specimen=specimen, shape=specimen_shape(specimen, peak, rng))
-            ideal = lab.run(rig, ground, ideal=ground).command
         rig = replace(rig, kind=int(rng.choice(actuators)))
         rig = replace(rig, numbers=actuator_numbers(rig, peak, rng))
         outcome = lab.run(rig, ground, ideal=ideal)
         if np.isfinite(outcome.rms) and limits[0] < outcome.rms < limits[1]:
             return rig, outcome
-
-
-def specimen_shape(specimen: int, peak: float, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Numbers of a specimen: hardening of 5 to 15 % at the peak, or yielding at a ductility of 2 to 4."""
-    if specimen == lab.CUBIC:
-        return rng.uniform(0.05, 0.15) / peak**2, 0.0, 0.0
-    if specimen == lab.HYSTERESIS:
-        return peak / rng.uniform(2.0, 4.0), 0.03, 8.0
-    return 0.0, 0.0, 0.0
 
 
 def actuator_numbers(
@@ -105,6 +95,29 @@ def noise_level(values: np.ndarray, decibels: float = DECIBELS) -> float:
 def add_noise(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Add the white noise of a displacement sensor."""
     return values + lab.noise("white", values.size, noise_level(values), rng)
+
+
+def later(values: np.ndarray, seconds: float) -> np.ndarray:
+    """A history later by a time, at rest before and after it; exact below the Nyquist frequency."""
+    pad = 4096
+    history = np.concatenate([np.full(pad, values[0]), values, np.full(pad, values[-1])])
+    level = np.linspace(history[0], history[-1], history.size)
+    shift = np.exp(-2j * np.pi * np.fft.rfftfreq(history.size, STEP) * seconds)
+    moved = np.fft.irfft(np.fft.rfft(history - level) * shift, history.size) + level
+    return moved[pad : pad + values.size]
+
+
+def question(structure: Structure, equipment: Equipment) -> Question:
+    """What is asked of a test of which nothing else is stated."""
+    return Question(
+        structure=structure,
+        stated={},
+        equipment=equipment,
+        metric=Metric.RMS,
+        threshold=THRESHOLD,
+        model=None,
+        seed=0,
+    )
 
 
 def misstate_structure(rig: lab.Lab, rng: np.random.Generator) -> Structure:
