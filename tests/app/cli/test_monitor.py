@@ -79,7 +79,7 @@ ONE_HERTZ = {"f": 1.0, "xi": 0.05}
 END = ("verdict", "reliable", "reasons", "would_decide")
 
 
-@pytest.mark.default_cases(3)
+@pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     "options",
     [{}, {"exact": True}, {"alpha": 0.4}, {"scale": "1.01±0.001"}, {"metric": "mte"}, {"threshold": 0.04}],

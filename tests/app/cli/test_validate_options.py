@@ -60,7 +60,7 @@ def test_the_walk_knows_every_option():
     assert set(CHANGES) | set(UNSUPPORTED) == options
 
 
-@pytest.mark.default_cases(2)
+@pytest.mark.default_cases(1)
 @pytest.mark.parametrize("option", CHANGES)
 def test_an_option_changes_the_answer(option, base):
     lines = json.loads(invoke(app, *BASE, *CHANGES[option], "--json", "-").stdout)
