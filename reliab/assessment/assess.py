@@ -155,15 +155,17 @@ def assess(
         from reliab.assessment.frame_test import fit_to_frame
 
         recording, question = fit_to_frame(recording, question, criterion)
-    _require_judgeable(recording, question)
-    known_mass, question = question.mass, _find_mass(recording, question)
+    stated_values, question = question.stated, _find_mass(recording, question)
     if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
+    _require_judgeable(recording, replace(question, stated=stated_values))
     if criterion is None and question.frame is None:
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
     judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
-    question, assumed = _take_what_is_shown(judged, assumed, finds_mass=question.mass != known_mass)
+    question, assumed = _take_what_is_shown(
+        judged, assumed, finds_mass=len(question.stated) > len(stated_values)
+    )
     judged = replace(judged, question=question)
     if question.measured_specimen and not measured_specimen:
         assumed = (*assumed, _LEARNED_NOTE)

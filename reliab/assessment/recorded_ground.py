@@ -249,7 +249,8 @@ def mass_from_ground(recording: Recording, structure: Structure, *, feedback_lag
 
     None where either was not recorded, or they do not explain the command; `feedback_lag` [s].
     """
-    if recording.ground is None or recording.force is None:
+    is_short = recording.duration * structure.frequency < _FEWEST_PERIODS
+    if recording.ground is None or recording.force is None or is_short:
         return None
     kernel = SmoothingKernel.from_frequency(structure.frequency, recording.time_step)
     w0 = structure.circular_frequency
