@@ -247,7 +247,7 @@ UNITS: Final[Mapping[Measurand, Mapping[str, float]]] = {
         **dict.fromkeys(("tf", "tonf"), 1e3 * STANDARD_GRAVITY),
     },
     Measurand.VELOCITY: dict.fromkeys(
-        ("m/s", "mm/s", "cm/s", "in/s", "m/sec", "mm/sec", "in/sec", "mps"), 1.0
+        ("m/s", "mm/s", "cm/s", "in/s", "m/sec", "mm/sec", "in/sec", "mps", "rad/s", "deg/s"), 1.0
     ),
     Measurand.VOLTAGE: dict.fromkeys(("v", "volt", "volts", "mv", "vdc"), 1.0),
     Measurand.CURRENT: dict.fromkeys(("a", "ma", "amp", "amps"), 1.0),
@@ -283,6 +283,7 @@ _SPACED_UNITS: Final = frozenset(
 )
 _BRACKETS: Final = re.compile(r"(?:[\[({]|<)\s*([^\])}>]{1,20}?)\s*(?:[\])}]|>)\s*$")
 _ENDING: Final = re.compile(r"(?<=[^\W_])_([a-zµμ°]+(?:/s(?:\^?2|²)?|ps2|s2)?)$", re.IGNORECASE)
+_RATE: Final = re.compile(r"(?<=[^\W_])_((?!in_s(?:ec)?$)[a-z]+_s(?:ec)?(?:\^?2|²)?)$", re.IGNORECASE)
 _MULTIPLE: Final = re.compile(r"(\d{0,9}\.?\d+(?:e-?\d{1,2})?)\s*[*x]?\s*([^\d/].*)", re.IGNORECASE)
 _LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 
@@ -326,7 +327,7 @@ def unit_of(text: str) -> Unit | None:
 
 
 def split_unit(name: str) -> tuple[str, Unit | None]:
-    """Take the unit from the end of a name: "Disp (mm)", "disp_mm", "Axial Disp mm".
+    """Take the unit from the end of a name: "Disp (mm)", "disp_mm", "acc_mm_s2", "Axial Disp mm".
 
     >>> split_unit("Axial Displacement [mm]")[0], split_unit("command_m")[1].text
     ('Axial Displacement', 'm')
@@ -334,10 +335,11 @@ def split_unit(name: str) -> tuple[str, Unit | None]:
     trimmed = name.strip()
     for pattern, allowed_units in (
         (_BRACKETS, bool),
+        (_RATE, bool),
         (_ENDING, lambda text: text.lower() not in _NOT_ENDINGS),
         (_LAST_WORD, lambda text: text.lower() in _SPACED_UNITS),
     ):
         match = pattern.search(trimmed)
-        if match is not None and allowed_units(match[1]) and (unit := unit_of(match[1])) is not None:
+        if match is not None and allowed_units(match[1]) and (unit := unit_of(match[1].replace("_", "/"))):
             return trimmed[: match.start()].strip(), unit
     return trimmed, None

@@ -99,6 +99,15 @@ def test_a_range_behind_a_name_is_no_unit():
     assert {str(channel.part): channel.factor for channel in channels}["force"] == 1.0
 
 
+@pytest.mark.parametrize(("ending", "factor"), [("m_s2", 1.0), ("mm_s2", 1e-3), ("in_s2", 0.0254)])
+def test_a_rate_with_underscores_is_a_unit(ending, factor):
+    table = {"time_in_s": TIME, "command_m": COMMAND, "measured_m": MEASURED, "velocity_m_s": MEASURED}
+    channels = read_recording(pd.DataFrame({**table, f"ground_acceleration_{ending}": FORCE})).channels
+    found = {str(channel.part): (channel.column, channel.factor) for channel in channels}
+    assert found["time"] == ("time_in_s", 1.0)
+    assert found["ground acceleration"] == (f"ground_acceleration_{ending}", factor)
+
+
 def test_per_cent_in_front_of_a_line_of_units_begins_no_comment(tmp_path):
     rows = np.column_stack([VALVE, TIME, 1e3 * COMMAND, 1e3 * MEASURED])
     path = tmp_path / "t.txt"
