@@ -24,7 +24,12 @@ from reliab.assessment.measured_specimen.hysteresis import (
     STRUT_TRAITS,
 )
 from reliab.assessment.measured_specimen.learned_test import Members
-from reliab.assessment.measured_specimen.learning import LearnedSpecimen, MeasuredPath, _learn_family
+from reliab.assessment.measured_specimen.learning import (
+    LearnedSpecimen,
+    MeasuredPath,
+    _learn_family,
+    _refine_sizes,
+)
 from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
@@ -311,6 +316,26 @@ def test_hardly_touched_stop_is_not_learned() -> None:
     spring, stop = _single_element(Kind.ELASTIC_PLASTIC, 1e6), _single_element(Kind.GAP_ABOVE, 2.9999)
     both = _learn_family(path, "gaps", spring.append(stop), ())
     assert both.elements.kinds.tolist() == [Kind.ELASTIC_PLASTIC]
+
+
+def test_what_never_yielded_is_taken_as_linear_beyond_the_path() -> None:
+    """A spring yields at a quarter of the largest displacement, another one beside it not at all."""
+    noise = SensorNoise(time_step=_STEP, weights=np.ones(6), band=5.0)
+    displacement = _SINE * _TIMES / _TIMES[-1]
+    springs = _single_element(Kind.ELASTIC_PLASTIC, 0.75).append(_single_element(Kind.ELASTIC_PLASTIC, 1e6))
+
+    def follow(elements: Elements, factor: float) -> np.ndarray:
+        return elements.follow_path(factor * displacement, _STEP, np.linspace(0.0, 1.0, _TIMES.size))
+
+    stiffness = np.array([0.9, 0.1])
+    force = stiffness @ follow(springs, 1.0)
+    path = MeasuredPath(
+        displacement=displacement, force=force, time_step=_STEP, noise=noise, block=4.0, noisy=0.0
+    )
+    elements = _refine_sizes(path, elements_of_family("plain", path.largest, path.speed))
+    specimen = _learn_family(path, "plain", elements, ())
+    expected, found = stiffness @ follow(springs, 1.3), specimen.coefficients @ follow(specimen.elements, 1.3)
+    assert np.std(found - expected) < 0.01 * np.std(expected)
 
 
 def _load() -> np.ndarray:

@@ -339,7 +339,7 @@ def _refine_sizes(path: MeasuredPath, elements: Elements) -> Elements:
 
 
 def _distinct(rows: Array) -> NDArray[np.int64]:
-    """Places of rows, shape (rows, n), of which none is a multiple of another."""
+    """Places of rows, shape (rows, n), of which none is a multiple of one before it."""
     shares = rows @ np.random.default_rng(0).standard_normal(rows.shape[1])
     shares = shares / (np.linalg.norm(rows, axis=1) + np.finfo(float).tiny)
     return np.sort(np.unique(np.round(shares, _DIGITS), return_index=True)[1])
