@@ -131,6 +131,7 @@ class CriterionQuestion(
     suite: A few records of expected earthquakes, pooled with the motions behind the criterion.
     method: What the confidence means: dirichlet (the default), quantile (the paper's), or another.
     assurance: Probability that the confidence is kept, for methods that take it.
+    distribution: Family of distributions for the method quantile.
     law: How the limits depend on f and ξ: table (the default), or another law.
     steps: Steps of the hierarchical methods' chains, a multiple of 4.
     chains: Keep the chains of the hierarchical methods, so that a run can go on with them.
@@ -143,6 +144,7 @@ class CriterionQuestion(
     suite: Annotated[Files | None, MOTIONS.advanced("NAME|FOLDER...")]
     method: Annotated[str | None, METHOD.option("NAME", completion=declaration.methods)]
     assurance: Annotated[float | None, METHOD.advanced("SHARE")]
+    distribution: Annotated[str | None, METHOD.advanced("NAME")]
     law: Annotated[str, METHOD.option("NAME", default="table", completion=declaration.laws)]
     steps: Annotated[int | None, METHOD.advanced("N")]
     chains: Annotated[str | Path | None, METHOD.advanced("FILE.h5")]

@@ -145,6 +145,7 @@ def derive_criterion(
     *,
     method: Method | str = RECOMMENDED_METHOD,
     assurance: float | None = None,
+    distribution: str | None = None,
     steps: int | None = None,
     chains: str | Path | None = None,
     f: float | None = None,
@@ -176,7 +177,7 @@ def derive_criterion(
         What the confidence means, or its name; the recommended one by default. The paper's is "quantile";
         it rests on ellipses fitted to the boundaries, every other method on
         ellipses inscribed in them where the dataset has those.
-    assurance, steps : optional
+    assurance, distribution, steps : optional
         Settings of a method that is given by its name, where it has them.
     chains : str or pathlib.Path, optional
         For the hierarchical methods, the HDF5 file of the chains; with it an interrupted run resumes, and a
@@ -228,7 +229,7 @@ def derive_criterion(
     >>> print(f"{a:.2e} {b:.3f}")
     5.29e-05 1.048
     """
-    settings = {"assurance": assurance, "steps": steps}
+    settings = {"assurance": assurance, "distribution": distribution, "steps": steps}
     known_method = method_of(method, **settings) if isinstance(method, str) else method
     derivation = Derivation.from_ellipses(
         drop_copies(_read(ellipses, f, xi, threshold, str(metric))),

@@ -16,7 +16,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import astuple
 from pathlib import Path
 
 import numpy as np
@@ -146,7 +145,7 @@ def ours(question, motion, values):
     answers = {
         "samples": spectrum_at_samples,
         "spectrum": lambda: response_spectra([motion], PERIODS).values[0],
-        "fit": lambda: astuple(Lognormal.fit(values)),
+        "fit": lambda: Lognormal.fit(values).parameters,
         "tolerance": lambda: [tolerance_factor(values.size, SHARE, ASSURANCE)],
         "predictive": predictive,
     }

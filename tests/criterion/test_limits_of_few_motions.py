@@ -1,5 +1,6 @@
 """Limits of few motions, and those for leads."""
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,7 @@ from reliab.core.errors import InputError
 from reliab.core.vocabulary import ELLIPSE_DIMENSIONS
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.derivation import derive_criterion, published_criterion
+from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.laws.registry import FITTED_LAWS
 from reliab.criterion.methods.method import BoundMethod, limits
 from reliab.criterion.methods.registry import METHODS, method_of
@@ -22,7 +24,10 @@ BOUND_METHODS = [name for name, method in METHODS.items() if issubclass(method, 
 
 EXAMPLES = 6
 CONFIDENCES = (0.3, 0.6, 0.75, 0.9, 0.95, 0.99, 0.995, 0.999)
-EVERY = {name: method_of(name) for name in BOUND_METHODS}
+EVERY = {
+    **{name: method_of(name) for name in BOUND_METHODS},
+    **{f"quantile, {name}": method_of("quantile", distribution=name) for name in DISTRIBUTIONS},
+}
 
 
 def sample_of(logarithms, events):
@@ -118,6 +123,12 @@ def test_equal_motions_are_refused():
 def test_one_earthquake_carries_nothing(name):
     sample = sample_of(np.random.default_rng(1).normal(size=(40, 2)), np.zeros(40))
     assert limits(sample, method_of(name), 0.5) == (0.0, 0.0)
+
+
+def test_ties_have_an_empirical_distribution():
+    with warnings.catch_warnings(action="error"):
+        fit = DISTRIBUTIONS["empirical"].fit([1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+        assert 0.0 < float(fit.quantile(0.05)) < 2.0
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)

@@ -12,6 +12,7 @@ from reliab.criterion.derivation import derive_criterion
 from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.criterion.laws.law import validate_coefficients, validate_grid
 from reliab.criterion.methods.hierarchical.fit import HierarchicalFit, hierarchical_model
+from reliab.criterion.methods.quantile import Quantile
 from reliab.criterion.population import EllipseSample, Population
 
 A, B = np.array([1e-4, 2e-4, 3e-4]), np.array([1.0, 2.0, 4.0])
@@ -75,6 +76,10 @@ derive = partial(derive_criterion, method="quantile")
         (lambda: validate_coefficients("b", [[1.0], [1.0, 2.0]], 2), "in rows of one length"),
         (lambda: validate_grid("frequencies", [2.0, 1.0]), "frequencies of a law must be positive"),
         (lambda: validate_grid("frequencies", []), "frequencies of a law must be positive"),
+        (
+            lambda: Quantile(distribution="gumbel of nobody"),
+            "Unknown distribution; found gumbel of nobody",
+        ),
         (lambda: population(log_alpha=np.log(A).reshape(3, 1, 1) - 1e4), "Logarithms .* must be between"),
         (lambda: population(log_beta=np.log(B).reshape(1, 3, 1)), "a pair of ellipse parameters for each"),
         (lambda: population(log_beta=np.full((3, 1, 1), np.nan)), "a pair of ellipse parameters for each"),

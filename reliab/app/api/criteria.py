@@ -69,7 +69,7 @@ def derive_criteria(**request: Unpack[questions.CriterionQuestion]) -> Criteria:
 _RECORD_OPTIONS = ("sets", "model", "window", "alpha", "structure", "actuator")
 _EARTHQUAKE_OPTIONS = ("duration", "motion", "suite")
 """What is known of the earthquake, at most one of: length of the records, a record, a few of them."""
-_METHOD_OPTIONS = ("assurance", "steps")
+_METHOD_OPTIONS = ("assurance", "distribution", "steps")
 
 
 class _Question:

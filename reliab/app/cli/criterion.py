@@ -175,13 +175,16 @@ def _show_rig(rig: Mapping[str, Any]) -> None:
 
 
 def show_choices() -> None:
-    """Print what --method and --law may be, with what each means."""
+    """Print what --method, --law and --distribution may be, with what each means."""
+    from reliab.criterion.distributions import DISTRIBUTIONS
     from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
     from reliab.criterion.methods.registry import METHODS
 
     laws = {**FITTED_LAWS, **MANY_MOTION_LAWS}
     _show_meanings("--method", {name: _describe_method(method) for name, method in METHODS.items()})
     _show_meanings("--law", {name: str(law.equation) for name, law in laws.items()})
+    families = {name: (family.__doc__ or "").partition(".")[0] for name, family in DISTRIBUTIONS.items()}
+    _show_meanings("--distribution", families)
 
 
 def _describe_method(method: Any) -> str:  # noqa: ANN401 - a class of the registry

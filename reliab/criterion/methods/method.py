@@ -70,9 +70,14 @@ class Method(ABC):
     joint_by_default: ClassVar[bool] = True
     # Whether the promise needs no shape of the distribution over motions, or needs the lognormal one
     distribution_free: ClassVar[bool] = False
-    assumes_lognormality: ClassVar[bool] = False
+    lognormal: ClassVar[bool] = False
     # Whether it samples a posterior whose chains can be kept in a file
     samples_chains: ClassVar[bool] = False
+
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return self.lognormal
 
     @property
     def settings(self) -> dict[str, Any]:

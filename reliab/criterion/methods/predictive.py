@@ -26,7 +26,7 @@ class Predictive(BoundMethod):
 
     name: ClassVar[str] = "predictive"
     meaning: ClassVar[str] = "the predictive probability for one further motion, if motions are lognormal"
-    assumes_lognormality: ClassVar[bool] = True
+    lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events

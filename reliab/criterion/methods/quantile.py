@@ -1,4 +1,4 @@
-"""The paper's meaning of "95 % confidence": the plug-in quantile of a fitted lognormal distribution."""
+"""The paper's meaning of "95 % confidence": the plug-in quantile of a fitted distribution."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -8,8 +8,9 @@ import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
+from reliab.core.errors import InputError
 from reliab.core.vocabulary import CurveName
-from reliab.criterion.distributions import Lognormal
+from reliab.criterion.distributions import DISTRIBUTIONS, Lognormal
 from reliab.criterion.methods.method import BoundMethod
 
 
@@ -35,7 +36,20 @@ class Quantile(BoundMethod):
     curve: ClassVar[str] = CurveName.ELLIPSE
     joint_by_default: ClassVar[bool] = False
 
-    assumes_lognormality: ClassVar[bool] = True
+    distribution: str = Lognormal.name  # Name of the family, lognormal as in the paper by default
+
+    def __post_init__(self) -> None:
+        if self.distribution not in DISTRIBUTIONS:
+            raise InputError(
+                "Unknown distribution",
+                value=self.distribution,
+                remedy=f"Choose among {', '.join(DISTRIBUTIONS)}",
+            )
+
+    @property
+    def assumes_lognormality(self) -> bool:
+        """Whether the promise needs lognormal motions."""
+        return self.distribution == Lognormal.name
 
     def mean_share(self, confidence: float, n_motions: int) -> float:
         """Share of further motions that exceed the quantile of a lognormal fit to n motions, on average.
@@ -53,7 +67,7 @@ class Quantile(BoundMethod):
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         del events
-        centre = logarithms.mean()  # which keeps the exponential in range
-        distribution = Lognormal.fit(np.exp(logarithms - centre))
+        centre = logarithms.mean()  # the families scale, and this keeps the exponential in range
+        distribution = DISTRIBUTIONS[self.distribution].fit(np.exp(logarithms - centre))
         with np.errstate(divide="ignore"):  # a quantile of zero, below what a number can hold
             return float(centre + np.log(distribution.quantile(1.0 - confidence)))

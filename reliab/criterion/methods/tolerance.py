@@ -61,7 +61,7 @@ class Tolerance(AssuredBound):
         "a tolerance bound: suites like this one keep the promise with the stated assurance, if motions are "
         "lognormal about their earthquakes"
     )
-    assumes_lognormality: ClassVar[bool] = True
+    lognormal: ClassVar[bool] = True
 
     def _lower_bound(self, logarithms: Array, events: NDArray[np.str_], confidence: float) -> float:
         squares = SumsOfSquares.from_values(logarithms, events)

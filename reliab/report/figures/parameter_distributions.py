@@ -244,7 +244,7 @@ def quantile_quantile(sample: EllipseSample) -> Figure:
         _draw_quantiles(place, quantile_plot(values, Lognormal.fit(values)))
         name_axes(
             place,
-            f"Lognormal quantile of {parameter} [{unit}]",
+            f"{Lognormal.name.capitalize()} quantile of {parameter} [{unit}]",
             f"{parameter} of motions [{unit}]",
         )
     legend_below(figure, axes[0, 0])

@@ -165,6 +165,7 @@ def test_rejected_lognormality_is_said():
             "A file holds one criterion",
         ),
         (("--ellipses", TABLE2, "--method", "tolerance", "--assurance", 2), "assurance must lie between"),
+        (("--ellipses", TABLE2, "--distribution", "magic"), "dirichlet has no distribution"),
         (("--ellipses", TABLE2, "--assurance", 0.9), "dirichlet has no assurance"),
         (("--ellipses", TABLE2, "--chains", "chains.h5"), "Only the hierarchical methods have chains"),
         (("--ellipses", TABLE2, "--steps", 400), "dirichlet has no steps"),
@@ -173,6 +174,10 @@ def test_rejected_lognormality_is_said():
             "multiple of twice the thinning",
         ),
         (("--ellipses", TABLE2, "--method", "hierarchical", "--law", "exponential"), "do not take this law"),
+        (
+            ("--ellipses", TABLE2, "--method", "hierarchical", "--distribution", "weibull"),
+            "hierarchical has no distribution",
+        ),
         (
             ("--ellipses", TABLE2, "--method", "hierarchical", "--chains", TABLE2, "--steps", 40),
             "chains must be an HDF5 file",

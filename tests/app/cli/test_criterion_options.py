@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from reliab.app.cli.criterion import criterion
 from reliab.core.errors import InputError
 from reliab.core.shipped import shipped
+from reliab.criterion.distributions import DISTRIBUTIONS
 from reliab.criterion.laws.law import scales
 from reliab.criterion.laws.registry import FITTED_LAWS, MANY_MOTION_LAWS
 from reliab.criterion.methods.registry import METHODS
@@ -129,6 +130,7 @@ CHANGES = {
         (FILE, ("--method", name)) for name in ("quantile", "tolerance", "order_statistic", "predictive")
     ],
     "assurance": [((*FILE, "--method", "tolerance"), ("--assurance", "0.8"))],
+    "distribution": [((*FILE, "--method", "quantile"), ("--distribution", "weibull"))],
     "joint": [(FILE, ("--each",)), ((*FILE, "--method", "quantile"), ("--joint",))],
     "law": [
         (FILE, ("--law", "power")),
@@ -200,6 +202,7 @@ UNUSABLE = {
     "actuator": [(RECORDS, ("--actuator", "1")), ((*RECORDS, *TWO), ("--actuator", "3"))],
     "method": [(FILE, ("--method", "magic")), (PUBLISHED_LAW, ("--method", "dirichlet"))],
     "assurance": [(FILE, ("--assurance", "0.9")), (PUBLISHED_LAW, ("--assurance", "0.9"))],
+    "distribution": [(FILE, ("--distribution", "weibull")), (PUBLISHED_LAW, ("--distribution", "weibull"))],
     "joint": [(PUBLISHED_LAW, ("--joint",))],
     "law": [(FILE, ("--law", "magic")), (FILE, ("--law", "guo_2017_12"))],
     "steps": [(FILE, ("--steps", "40")), (PUBLISHED_LAW, ("--steps", "40"))],
@@ -282,9 +285,9 @@ def test_a_model_goes_to_the_simulation(sources, monkeypatch):
     assert (calls["motions"], calls["model"]) == (6, sources / "model.toml")
 
 
-def test_a_list_names_every_method_and_law_and_takes_no_other_option():
+def test_a_list_names_every_method_law_and_distribution_and_takes_no_other_option():
     output = CliRunner().invoke(app, ["--list"]).stdout
-    for name in (*METHODS, *FITTED_LAWS, *MANY_MOTION_LAWS):
+    for name in (*METHODS, *FITTED_LAWS, *MANY_MOTION_LAWS, *DISTRIBUTIONS):
         assert f"  {name}: " in output
     assert "guo_2017_18: (A − 1)²/(0.021ξ)" in output
     assert answer("--list", "--f", 1) == "refused"

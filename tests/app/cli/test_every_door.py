@@ -50,7 +50,7 @@ from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.report.setting import ReportSetting
 
 COMMAND = typer.main.get_group(cli.application())
-DRAWS = [20, pytest.param(160, marks=pytest.mark.slow)]
+DRAWS = [40, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
     "design": [design_test],
     "simulate": [simulate_suite],
@@ -132,6 +132,7 @@ WAYS: dict[str, Any] = {
         "confidence": (0.9, 95.0),
         "method": ("quantile", "tolerance", "magic"),
         "assurance": (0.8,),
+        "distribution": ("weibull",),
         "law": ("guo_2017_18", "power", "magic"),
         "steps": (40,),
         "chains": ("chains.h5",),

@@ -88,7 +88,7 @@ class HierarchicalNormal(HierarchicalMethod):
         "predictive, or with the stated assurance"
     )
     robust: ClassVar[bool] = False
-    assumes_lognormality: ClassVar[bool] = True
+    lognormal: ClassVar[bool] = True
 
 
 @dataclass(frozen=True, kw_only=True)
