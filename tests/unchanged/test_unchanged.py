@@ -25,7 +25,7 @@ def laboratory(tmp_path_factory):
     return folder
 
 
-@pytest.mark.default_cases(9)
+@pytest.mark.default_cases(12)
 @pytest.mark.parametrize("name", QUESTIONS)
 def test_an_answer_is_the_one_that_is_kept(name, laboratory):
     kept = json.loads((KEPT / f"{name}.json").read_text(encoding="utf-8"))
