@@ -193,7 +193,7 @@ def _columns(problem: Problem, noise: NoiseModel, family: _Columns) -> Array:
     parts = [
         np.stack(
             [
-                real_parts(segment.spectrum(column), segment.density(noise))
+                real_parts(segment.spectrum(column), np.sqrt(segment.density(noise)))
                 for column in columns[segment.test]
             ],
             axis=1,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
 from reliab.core.significant_digits import percent, significant
-from reliab.discrepancy.fitting.fit import Fit
+from reliab.discrepancy.fitting.fit import CorrectedSketch, Fit
 from reliab.discrepancy.fitting.problem import Problem
 
 _REACH = np.sqrt(3.0)  # standard deviations: the nodes of Gauss and Hermite of order three
@@ -47,7 +47,7 @@ ENOUGH = 100.0
 _ENOUGH_OF_SURFACE = 2000.0  # the same where draws cost nothing
 
 
-def simulate_residuals(problem: Problem, fit: Fit, points: Iterable[Array]) -> Array:
+def simulate_residuals(problem: Problem | CorrectedSketch, fit: Fit, points: Iterable[Array]) -> Array:
     """Whitened residuals of a model at given coordinates."""
     with ThreadPoolExecutor(_WORKERS) as pool:
         rows = pool.map(lambda point: problem.whiten(fit.space, point, fit.noise), points)
@@ -81,7 +81,7 @@ class LikelihoodSurface:
         )
 
     def refit(
-        self, problem: Problem, fit: Fit, draws: Array, rng: np.random.Generator
+        self, problem: CorrectedSketch, fit: Fit, draws: Array, rng: np.random.Generator
     ) -> "LikelihoodSurface":
         """Fit the polynomial to simulations at draws of it, and at those of earlier times.
 
@@ -89,7 +89,7 @@ class LikelihoodSurface:
         """
         distinct = np.unique(draws, axis=0)
         points = rng.permutation(distinct)[: _POINTS * len(self.coefficients)]
-        residuals = simulate_residuals(problem, fit, self.coordinates(points)) - _sketch_error(problem, fit)
+        residuals = simulate_residuals(problem, fit, self.coordinates(points))
         loss = 0.5 * ((residuals**2).sum(axis=1) + (self.coordinates(points) ** 2).sum(axis=1))
         far = (loss - loss.min()) / (_FAR * points.shape[1])
         weights = 1.0 / np.sqrt(1.0 + far[:, np.newaxis] ** 2)
@@ -117,11 +117,11 @@ class LikelihoodSurface:
 
         return self._density(standard, squares)
 
-    def simulate_density(self, problem: Problem, fit: Fit, standard: Array) -> Array:
+    def simulate_density(self, problem: Problem | CorrectedSketch, fit: Fit, standard: Array) -> Array:
         """Return the same by simulations of the fitted problem, or of its sketch."""
 
         def squares(_is_inside: NDArray[np.bool_], inside: Array) -> Array:
-            residuals = simulate_residuals(problem, fit, inside) - _sketch_error(problem, fit)
+            residuals = simulate_residuals(problem, fit, inside)
             return np.asarray((residuals**2).sum(axis=1))
 
         return self._density(standard, squares)
@@ -135,14 +135,6 @@ class LikelihoodSurface:
             inside = coordinates[is_inside]
             logs[is_inside] = -0.5 * squares(is_inside, inside) - 0.5 * (inside**2).sum(axis=1)
         return logs
-
-
-def _sketch_error(problem: Problem, fit: Fit) -> Array:
-    """Return what a sketch errs by at a fitted model, shape (rows,); its derivatives are right.
-
-    For 60 dB of signal over noise that is far more than a parameter's deviation.
-    """
-    return problem.whiten(fit.space, fit.coordinates, fit.noise) - fit.residual
 
 
 def _design(size: int) -> Array:
@@ -227,19 +219,20 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
 
     Calibrations and offsets are sampled along with the effects; the noise is as fitted.
     """
-    surface = LikelihoodSurface.around(problem, fit)
-    size, space = fit.space.size, fit.space
-    rng = np.random.default_rng(_SEED)
+    surface, space = LikelihoodSurface.around(problem, fit), fit.space
+    sketch, rng = CorrectedSketch(problem.sketch, fit), np.random.default_rng(_SEED)
     draws, effective, agreement = _draw_from_surface(problem, fit, surface, rng)
     for _ in range(_REFINEMENTS):
         if agreement >= SMALLEST_AGREEMENT:
             break
-        surface = surface.refit(problem.sketch, fit, draws, rng)
-        draws, effective, agreement = _draw_from_surface(problem.sketch, fit, surface, rng)
+        last_agreement, surface = agreement, surface.refit(sketch, fit, draws, rng)
+        draws, effective, agreement = _draw_from_surface(sketch, fit, surface, rng)
+        if agreement < last_agreement:
+            break
     if agreement < SMALLEST_AGREEMENT:
         draws, effective = draw_by_importance(
-            lambda standard: surface.simulate_density(problem.sketch, fit, standard),
-            size,
+            lambda standard: surface.simulate_density(sketch, fit, standard),
+            space.size,
             np.random.default_rng(_SEED),
             draws=_DRAWS,
             population=_SIMULATED,
@@ -260,7 +253,7 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
 
 
 def _draw_from_surface(
-    problem: Problem, fit: Fit, surface: LikelihoodSurface, rng: np.random.Generator
+    problem: Problem | CorrectedSketch, fit: Fit, surface: LikelihoodSurface, rng: np.random.Generator
 ) -> tuple[Array, float, float]:
     """Draw from a surface; their effective number, and their agreement with simulations, too."""
     draws, effective = draw_by_importance(
@@ -279,7 +272,9 @@ def _draw_from_surface(
     )
 
 
-def agreement_of(problem: Problem, fit: Fit, surface: LikelihoodSurface, draws: Array) -> float:
+def agreement_of(
+    problem: Problem | CorrectedSketch, fit: Fit, surface: LikelihoodSurface, draws: Array
+) -> float:
     """Effective share of draws of a surface under importance weights from it to simulations."""
     ratios = surface.simulate_density(problem, fit, draws) - surface.log_density(draws)
     return effective_size(weights_of(ratios)) / len(draws)

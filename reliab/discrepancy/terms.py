@@ -12,7 +12,6 @@ from reliab.core.vocabulary import Block
 from reliab.effects.effect import Effect, Parameter, RecordEffect, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 
 
@@ -21,6 +20,8 @@ def _nothing(_motion: Numbers, _time: float, _step: float, _coefficients: Number
 
 
 _STRAIGHT: Final = 2.0  # steps
+_NEAREST: Final = 6  # samples
+_SAME: Final = 1e-9  # steps
 _TIME: Final = (("displacement", 1.0), ("velocity", -1.0))
 _LEAST_DAMPING_RATIO = RANGES["damping ratio"].lowest  # a structure has some
 
@@ -97,7 +98,7 @@ class LateGround(RecordEffect):
 
     def applied(self, acceleration: Array, step: float) -> Array:
         """Ground acceleration that acted [m/s²], that of τ later in the record."""
-        return read_late(path_through(acceleration), -self.ground_lag_s / step)
+        return record_late(acceleration, -self.ground_lag_s, step)
 
 
 def lag_of(model: HybridTest) -> float:
@@ -111,30 +112,36 @@ def record_late(values: Array, lag: float, step: float) -> Array:
 
     Beyond its ends it goes on straight for two steps, and keeps that value.
     """
-    return read_late(path_through(values), lag / step) if lag else values
-
-
-def path_through(values: Array) -> Array:
-    """Coefficients of the cubic path through a channel, shape (4, n − 1)."""
-    return CubicPath.interpolate(np.arange(values.size, dtype=np.float64), values).coefficients
+    return _read_late(values, lag / step) if lag else values
 
 
 @compiled
-def read_late(coefficients: Array, late: float) -> Array:
-    """Read a path through samples at 0, 1, …, n − 1 so many steps late, straight beyond its ends."""
-    last = coefficients.shape[1]
-    values = np.empty(last + 1)
-    for place in range(last + 1):
+def _read_late(values: Array, late: float) -> Array:
+    """Read samples so many steps late: between them by Lagrange's polynomial through the nearest ones."""
+    last, count = values.size - 1, min(values.size, _NEAREST)
+    weights, since = np.zeros(count), np.nan
+    out = np.empty(values.size)
+    for place in range(values.size):
         position = place - late
         inner_position = min(max(position, 0.0), float(last))
+        first = min(max(int(inner_position) - count // 2 + 1, 0), last + 1 - count)
+        if not abs(inner_position - first - since) < _SAME:
+            since = inner_position - first
+            for k in range(count):
+                weights[k] = 1.0
+                for other in range(count):
+                    if other != k:
+                        weights[k] *= (since - other) / (k - other)
+        total = 0.0
+        for k in range(count):
+            total += weights[k] * values[first + k]
         excess = min(max(position - inner_position, -_STRAIGHT), _STRAIGHT)
-        knot = min(int(inner_position), last - 1)
-        since = inner_position - knot
-        cubic, square, slope = coefficients[0, knot], coefficients[1, knot], coefficients[2, knot]
-        values[place] = coefficients[3, knot] + since * (slope + since * (square + since * cubic))
-        if excess != 0.0:
-            values[place] += excess * (slope + since * (2.0 * square + 3.0 * since * cubic))
-    return values
+        if excess < 0.0:
+            total += excess * (2.0 * values[1] - 1.5 * values[0] - 0.5 * values[2])
+        elif excess > 0.0:
+            total += excess * (1.5 * values[last] - 2.0 * values[last - 1] + 0.5 * values[last - 2])
+        out[place] = total
+    return out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -163,7 +163,7 @@ def test_another_noise_needs_no_simulation(problem, model_fit):
         second = reweight_fit(problem, model_fit)
     simulation = problem.whiten(model_fit.space, model_fit.coordinates, second.noise)
     np.testing.assert_allclose(second.residual, simulation, rtol=1e-9, atol=1e-9)
-    fresh = jacobian(problem, model_fit.space, model_fit.coordinates, second.noise)
+    fresh = jacobian(problem.sketch, model_fit.space, model_fit.coordinates, second.noise)
     assert np.abs(second.jacobian - fresh).max() < 0.05 * np.abs(fresh).max()
 
 
@@ -175,7 +175,7 @@ def exact_jacobian(problem, space, coordinates, noise, step=1e-3):
 
 def test_derivatives_of_the_sketch_are_those_of_the_model(problem, model_fit):
     assert problem.sketch.block.every > 1
-    sketch_value = jacobian(problem, model_fit.space, model_fit.coordinates, model_fit.noise)
+    sketch_value = jacobian(problem.sketch, model_fit.space, model_fit.coordinates, model_fit.noise)
     exact = exact_jacobian(problem, model_fit.space, model_fit.coordinates, model_fit.noise)
     size = np.linalg.norm(exact, axis=0)
     assert (np.linalg.norm(sketch_value - exact, axis=0) < 0.15 * size).all()
@@ -189,7 +189,7 @@ def test_sketch_of_a_late_actuator_has_its_derivatives(campaign):
     segments = cut_segments(campaign.training, RATE, lambda _: 40.0, block.sketch.every)
     problem, space = Problem(block=block, segments=segments), ModelSpace(block, ())
     noise = NoiseModel.white(RATE, 1e-8)
-    sketch_value = jacobian(problem, space, np.zeros(space.size), noise)
+    sketch_value = jacobian(problem.sketch, space, np.zeros(space.size), noise)
     exact = exact_jacobian(problem, space, np.zeros(space.size), noise)
     assert np.linalg.norm(sketch_value - exact) < 0.02 * np.linalg.norm(exact)
 

@@ -323,11 +323,11 @@ def test_whitened_noise_has_unit_variance():
     density = np.linspace(1.0, 9.0, 500)
     noise = np.random.default_rng(3).standard_normal((2, 400, 500)) * np.sqrt(0.5 * density)
     rows = np.array(
-        [real_parts(real + 1j * imaginary, density) for real, imaginary in noise.transpose(1, 0, 2)]
+        [real_parts(real + 1j * imaginary, np.sqrt(density)) for real, imaginary in noise.transpose(1, 0, 2)]
     )
     assert rows.shape == (400, 999)
     assert rows[:, 1:].var(axis=0).mean() == pytest.approx(1.0, rel=0.01)
-    assert real_parts(np.array([6.0 + 0j]), np.array([4.0])) == pytest.approx([3.0])
+    assert real_parts(np.array([6.0 + 0j]), np.array([2.0])) == pytest.approx([3.0])
 
 
 def test_tests_count_alike_but_for_weak_ones():

@@ -21,7 +21,9 @@ def share_of(values, highest=45.0):
     frequency = np.fft.rfftfreq(SIZE, 1.0 / RATE)[1:]
     powers = [np.abs(np.fft.rfft(v))[1:] ** 2 / SIZE for v in values]
     noise = fit_noise([Periodogram(frequency=frequency, power=power) for power in powers], RATE)
-    rows = [real_parts(s.spectrum(v), s.density(noise)) for s, v in zip(segments, values, strict=True)]
+    rows = [
+        real_parts(s.spectrum(v), np.sqrt(s.density(noise))) for s, v in zip(segments, values, strict=True)
+    ]
     problem = SimpleNamespace(segments=segments, block=SimpleNamespace(rate=RATE))
     return share_structured(problem, SimpleNamespace(residual=np.concatenate(rows)))
 

@@ -9,7 +9,7 @@ from scipy import stats
 
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.fitting.fit import fit
+from reliab.discrepancy.fitting.fit import CorrectedSketch, fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.posterior import (
@@ -209,7 +209,7 @@ def test_constant_error_of_a_sketch_moves_no_parameter(damping_posterior):
     surface = LikelihoodSurface.around(problem, model_fit)
     draws = np.random.default_rng(3).standard_normal((8, model_fit.space.size))
     np.testing.assert_allclose(
-        surface.simulate_density(sketch, model_fit, draws),
+        surface.simulate_density(CorrectedSketch(sketch, model_fit), model_fit, draws),
         surface.simulate_density(problem, model_fit, draws),
         rtol=1e-9,
     )

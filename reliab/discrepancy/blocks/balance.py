@@ -35,7 +35,7 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset, LateGround, read_late
+from reliab.discrepancy.terms import ClockOffset, LateGround
 from reliab.effects.effect import Parameter, RecordEffect, Role, Scales
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.integration_error import IntegrationError
@@ -79,8 +79,6 @@ class NumericalBlock(SuperposedBlock[BalanceTerm]):
         if not source:
             return self.tests[test].channels[Channel.GROUND]
         *earlier, last = source
-        if isinstance(last, LateGround):
-            return read_late(self._path(BalanceTerm(tuple(earlier)), test), -last.ground_lag_s * self.rate)
         return last.applied(self.history(tuple(earlier), test), 1.0 / self.rate)
 
 

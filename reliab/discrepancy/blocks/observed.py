@@ -14,7 +14,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.segment import Segment, highest_frequency
-from reliab.discrepancy.terms import lag_of, path_through, read_late, record_late
+from reliab.discrepancy.terms import lag_of, record_late
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Scales
 from reliab.effects.viscous_damping import ViscousDamping
@@ -24,7 +24,7 @@ from reliab.simulation.hybrid_test.open_loop import Motion3
 
 Term = TypeVar("Term", bound=Hashable)
 
-_CACHED_SIGNALS, _CACHED_PATHS, _CACHED_SPECTRA = 12, 8, 40  # terms that are remembered for each test
+_CACHED_SIGNALS, _CACHED_SPECTRA = 12, 40  # terms that are remembered for each test
 
 
 class ObservedBlock(ABC):
@@ -150,7 +150,6 @@ class SuperposedBlock(ObservedBlock, Generic[Term]):
         """Compute every term anew from here on."""
         count = len(self.tests)
         self._signal = lru_cache(maxsize=_CACHED_SIGNALS * count)(self.signal)
-        self._path = lru_cache(maxsize=_CACHED_PATHS * count)(self._path_of_term)
         self._spectra = lru_cache(maxsize=_CACHED_SPECTRA * count)(self._spectra_of_term)
 
     @abstractmethod
@@ -182,10 +181,5 @@ class SuperposedBlock(ObservedBlock, Generic[Term]):
     def _spectra_of_term(self, term: Term, lag: float, segments: tuple[Segment, ...]) -> tuple[Spectrum, ...]:
         """Spectrum of one term in each of some segments of one test, recorded by a clock that lags [s]."""
         test = segments[0].test
-        steps = lag / self.motions[test].step
-        values = read_late(self._path(term, test), steps) if steps else self._signal(term, test)
+        values = record_late(self._signal(term, test), lag, self.motions[test].step)
         return tuple(segment.coarse_spectrum(values, self.every) for segment in segments)
-
-    def _path_of_term(self, term: Term, test: int) -> Array:
-        """Coefficients of the path through one term in a test."""
-        return path_through(self._signal(term, test))

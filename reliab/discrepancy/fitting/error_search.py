@@ -66,12 +66,10 @@ class ErrorSearch(Search):
             starts += [start for start in promise.others if start is not promise.start]
         return starts
 
-    def _matters(self, candidate: Fit, smaller: Fit) -> bool:
+    def _is_material(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether a model is listed: it explains more of the tests to which it is fitted than a trifle."""
         remaining = float(candidate.residual @ candidate.residual)
-        if remaining > (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise):
-            return False
-        return self._needs_memory(candidate, smaller)
+        return remaining <= (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise)
 
     def _memory_odds(self, candidate: Fit) -> float:
         errors = self.error(candidate), leave_out(*fit_without_memory(self.problem, candidate))

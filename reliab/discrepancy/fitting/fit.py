@@ -22,6 +22,7 @@ _SMALL = 1.0  # nats
 _FIRST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _MOST_STEPS = 12
 _MOST_ROUNDS = 10
+_MOST_CORRECTIONS = 4  # of a sketch
 _CONVERGENCE = 0.5  # nats
 
 
@@ -67,6 +68,11 @@ class Fit:
         return np.asarray(np.linalg.inv(self.precision), dtype=np.float64)
 
     @property
+    def loss(self) -> float:
+        """Negative logarithm of the posterior density, up to a constant of the problem and its noise."""
+        return _objective(self.residual, self.coordinates)
+
+    @property
     def log_likelihood(self) -> float:
         """Whittle log-likelihood, up to a constant of the problem."""
         return self.log_volume - 0.5 * float(self.residual @ self.residual)
@@ -81,12 +87,7 @@ class Fit:
 def fit(problem: Problem, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:
     """Fit a model from several starts and keep the best."""
     fits = [_fit_from(problem, space, start, noise) for start in starts]
-    return max(
-        fits,
-        key=lambda candidate: (
-            candidate.log_likelihood - 0.5 * float(candidate.coordinates @ candidate.coordinates)
-        ),
-    )
+    return min(fits, key=lambda candidate: candidate.loss)
 
 
 def refine_fit(problem: Problem, fitted_model: Fit) -> Fit:
@@ -132,35 +133,79 @@ def reweight_fit(problem: Problem, fitted_model: Fit) -> Fit:
 
 
 def _fit_from(problem: Problem, space: ModelSpace, start: Array, noise: NoiseModel) -> Fit:
-    x = np.clip(start, *space.bounds)
-    residual = problem.whiten(space, x, noise)
-    return improve_fit(
-        problem,
-        Fit(
-            space=space,
-            coordinates=x,
-            residual=residual,
-            jacobian=jacobian(problem, space, x, noise, residual),
-            noise=noise,
-            log_volume=problem.log_volume(noise),
-        ),
+    """Fit a model to the sketch, where that is faster, and then to the problem itself."""
+    sketch, x = problem.sketch, np.clip(start, *space.bounds)
+    residual = sketch.whiten(space, x, noise)
+    begun = Fit(
+        space=space,
+        coordinates=x,
+        residual=residual,
+        jacobian=jacobian(sketch, space, x, noise, residual),
+        noise=noise,
+        log_volume=problem.log_volume(noise),
     )
+    rough = _improve(sketch, begun, _MOST_STEPS)
+    if sketch is problem:
+        return rough
+    return improve_fit(problem, replace(rough, residual=problem.whiten(space, rough.coordinates, noise)))
 
 
 def improve_fit(
     problem: Problem, fitted_model: Fit, steps: int = _MOST_STEPS, *, differentiate_last: bool = True
 ) -> Fit:
-    """Improve a fit by Levenberg–Marquardt with bounds and the prior, until a step promises less than 0.02.
+    """Improve a fit until a step promises less than 0.02, by simulations of the sketch where that is faster.
+
+    What the sketch errs by at the fit is taken off what it predicts nearby, and again where that leads.
+    Unless it is to be differentiated, derivatives after the last step are those before it.
+    """
+    if problem.sketch is problem:
+        return _improve(problem, fitted_model, steps, differentiate_last=differentiate_last)
+    for _ in range(_MOST_CORRECTIONS):
+        near = CorrectedSketch(problem.sketch, fitted_model)
+        foreseen = _improve(near, fitted_model, steps, differentiate_last=differentiate_last)
+        if foreseen.coordinates is fitted_model.coordinates:
+            return foreseen
+        residual = problem.whiten(foreseen.space, foreseen.coordinates, foreseen.noise)
+        exact = replace(foreseen, residual=residual)
+        if not exact.loss < fitted_model.loss:
+            break
+        fitted_model = exact
+        if abs(exact.loss - foreseen.loss) < _NEGLIGIBLE or not differentiate_last:
+            break
+    return fitted_model
+
+
+class CorrectedSketch:
+    """A problem predicted at fewer instants, without what that errs by at a fitted model."""
+
+    def __init__(self, sketch: Problem, fitted_model: Fit) -> None:
+        self._sketch, self._fit = sketch, fitted_model
+
+    @cached_property
+    def _error(self) -> Array:
+        """What the sketch errs by at the fitted model, shape (rows,); its derivatives are right."""
+        fit = self._fit
+        return self._sketch.whiten(fit.space, fit.coordinates, fit.noise) - fit.residual
+
+    def whiten(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
+        """Residuals of unit variance if the model is right, shape (rows,)."""
+        return self._sketch.whiten(space, coordinates, noise) - self._error
+
+
+def _improve(
+    problem: Problem | CorrectedSketch, fitted_model: Fit, steps: int, *, differentiate_last: bool = True
+) -> Fit:
+    """Improve a fit by Levenberg–Marquardt with bounds and the prior.
 
     It ends, too, after a small step that reached what the quadratic model promised: derivatives have not
-    changed, and the next step would be smaller still. Unless it is to be differentiated, derivatives after
-    the last step are those before it. Where no step keeps its promise, derivatives are taken once more over
-    a part of the deviations that they imply: data may say far more of a parameter than its prior.
+    changed, and the next step would be smaller still. Where no step keeps its promise, derivatives are taken
+    once more over a part of the deviations that they imply: data may say far more of a parameter than its
+    prior.
     """
     space, noise = fitted_model.space, fitted_model.noise
     lower, upper = space.bounds
     x, residual, derivatives = fitted_model.coordinates, fitted_model.residual, fitted_model.jacobian
-    value = _objective(residual, x)
+    value = fitted_model.loss
     damping, is_fine = _FIRST_DAMPING, False
     for number in range(steps):
         curvature = derivatives.T @ derivatives + np.eye(x.size)
@@ -210,7 +255,7 @@ def _objective(residual: Array, coordinates: Array) -> float:
 
 def sharpen_fit(problem: Problem, fitted_model: Fit) -> Fit:
     """Return a fitted model with derivatives of full predictions, for its standard deviations."""
-    exact = _differentiate(
+    exact = jacobian(
         problem,
         fitted_model.space,
         fitted_model.coordinates,
@@ -228,29 +273,17 @@ def _fine_steps(derivatives: Array) -> Array:
 
 
 def jacobian(
-    problem: Problem,
+    problem: Problem | CorrectedSketch,
     space: ModelSpace,
     coordinates: Array,
     noise: NoiseModel,
-    residual: Array | None = None,
+    centre: Array | None = None,
     steps: Array | None = None,
 ) -> Array:
-    """Differentiate the whitened residual, shape (rows, size), at fewer instants where that is faster.
+    """Differentiate the whitened residual, shape (rows, size).
 
-    `residual`: the one there, shape (rows,), where it was computed; `steps`: over which, shape (size,).
+    `centre`: the one there, shape (rows,), where it was computed; `steps`: over which, shape (size,).
     """
-    centre = residual if problem.sketch is problem else None
-    return _differentiate(problem.sketch, space, coordinates, noise, centre, steps)
-
-
-def _differentiate(
-    problem: Problem,
-    space: ModelSpace,
-    coordinates: Array,
-    noise: NoiseModel,
-    centre: Array | None,
-    steps: Array | None = None,
-) -> Array:
     _, upper = space.bounds
     lengths = np.full(space.size, _STEP) if steps is None else steps
     if centre is None:

@@ -1,8 +1,8 @@
 """The data of a block as a problem to be fitted: segments, whitened residuals, noise."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ _LEAST_OF_CONVERSION = 0.2  # of the mean square of a converter's error
 _LEAST_POWER = 0.05  # of the strongest test's
 _LARGEST = 1e20  # whitened residual from which a simulation ran away
 _RUNAWAY = 1e6  # the one that stands for it
+_CACHED_NOISES = 4
 MOST_OF_A_TEST = 24.0
 """Largest number of observations in one test: later swings repeat the earlier ones."""
 
@@ -126,10 +127,8 @@ class Problem:
     def whiten(self, space: ModelSpace, coordinates: Array, noise: NoiseModel) -> Array:
         """Residuals of unit variance if the model is right, shape (rows,)."""
         predictions = self.block.spectra(space.model(coordinates), self.segments)
-        parts = [
-            real_parts(spectrum_read - spectrum, self._density(place, noise))
-            for place, (spectrum_read, spectrum) in enumerate(zip(self._spectra, predictions, strict=True))
-        ]
+        triples = zip(self._spectra, predictions, self._roots(tuple(noise.weights.tolist())), strict=True)
+        parts = [real_parts(spectrum_read - spectrum, root) for spectrum_read, spectrum, root in triples]
         rows = np.concatenate(parts)
         return rows if np.abs(rows).max() < _LARGEST else np.full(rows.size, _RUNAWAY)
 
@@ -144,8 +143,8 @@ class Problem:
     def loudness(self, noise: NoiseModel) -> float:
         """Energy of the whitened channel, its mean left out: what a model of nothing would leave."""
         rows = (
-            real_parts(spectrum, self._density(place, noise))[1:]
-            for place, spectrum in enumerate(self._spectra)
+            real_parts(spectrum, root)[1:]
+            for spectrum, root in zip(self._spectra, self._roots(tuple(noise.weights.tolist())), strict=True)
         )
         return sum(float(row @ row) for row in rows)
 
@@ -173,6 +172,16 @@ class Problem:
         """Variance by which the residuals of a segment are divided, shape (bins,)."""
         density = self.segments[place].density(noise)
         return density * (self.powers[place] / self.tempering[place]) if self.flat else density
+
+    @cached_property
+    def _roots(self) -> Callable[[tuple[float, ...]], list[Array]]:
+        """Standard deviations by which the residuals of each segment are divided, by the noise's weights."""
+
+        def roots(weights: tuple[float, ...]) -> list[Array]:
+            noise = NoiseModel(rate=self.block.rate, weights=np.array(weights))
+            return [np.sqrt(self._density(place, noise)) for place in range(len(self.segments))]
+
+        return lru_cache(maxsize=_CACHED_NOISES)(roots)
 
     def densities(self, noise: NoiseModel) -> Array:
         """Return the expected power of each residual, shape (rows,)."""
@@ -219,9 +228,9 @@ def relative_powers(problem: Problem) -> tuple[float, ...]:
     return tuple(max(power[s.test] + least, 1e-300) for s in problem.segments)
 
 
-def real_parts(spectrum: NDArray[np.complex128], density: Array) -> Array:
+def real_parts(spectrum: NDArray[np.complex128], deviations: Array) -> Array:
     """Complex residuals as real ones of unit variance."""
-    white = spectrum / np.sqrt(density)
+    white = spectrum / deviations
     root = np.sqrt(2.0)
     return np.concatenate([white.real[:1], root * white.real[1:], root * white.imag[1:]])
 

@@ -129,8 +129,10 @@ class Search:
 
     def _matters(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether the additional effects of a model over a smaller one are not negligible."""
-        if not self._needs_memory(candidate, smaller):
-            return False
+        return self._is_material(candidate, smaller) and self._needs_memory(candidate, smaller)
+
+    def _is_material(self, candidate: Fit, smaller: Fit) -> bool:
+        """Whether additional effects explain enough, and predict left-out parts no worse."""
         rows = candidate.residual
         remaining = float(rows @ rows)
         gain = self.energy(smaller, candidate.noise) - remaining
@@ -279,12 +281,19 @@ class Search:
         Noise then judges models; parts that are left out do otherwise.
         """
         best, kinds = self.null, (*self.candidates, *self.problem.block.outside)
+        if not is_model_error(self.problem, best):
+            return True
         for _ in range(MOST_EFFECTS):
+            promising = [one for one in self.screen(best, kinds)[:_TRIES] if one.start.size]
+            rough: list[Fit] = []
+            for begin in range(0, len(promising), _WORKERS):
+                rough += self._rough(best, promising[begin : begin + _WORKERS])
+                if not all(is_model_error(self.problem, model) for model in rough[begin:]):
+                    return True
+            best = refine_fit(self.problem, max(rough, key=lambda model: model.log_likelihood, default=best))
             if not is_model_error(self.problem, best):
                 return True
-            rough = self._rough(best, [one for one in self.screen(best, kinds)[:_TRIES] if one.start.size])
-            best = refine_fit(self.problem, max(rough, key=lambda model: model.log_likelihood, default=best))
-        return not is_model_error(self.problem, best)
+        return False
 
     def _starts(self, promise: Promise) -> list[Array]:
         """Coordinates from which to fit a further effect."""

@@ -18,6 +18,7 @@ from reliab.discrepancy.result.gap import FLOOR_EXCESS, Gap
 from reliab.discrepancy.result.missing_effect import Unknown, estimates
 from reliab.effects.general.general_term import GeneralTerm
 from reliab.effects.general.periodic import Disturbance
+from reliab.signals.filters import filter_symmetrically, low_pass
 from reliab.signals.noise import near_mains
 from reliab.signals.spectra import detrend, hann
 
@@ -222,8 +223,7 @@ def _standing_stretches(
     ]
     if not runs:
         return []
-    sections = scipy.signal.butter(4, highest, fs=1.0, output="sos")
-    expected_signal = np.asarray(scipy.signal.sosfiltfilt(sections, expected_signal))
+    expected_signal = filter_symmetrically(expected_signal, low_pass(highest, 1.0))
     if changes.any():
         usual = max(usual, float(np.median(np.abs(changes[changes != 0.0]))))
     least = _TIMES * usual + _SHARE * float(read.std())

@@ -20,6 +20,7 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
     PulseParameters,
     RecordingParameters,
 )
+from reliab.signals.filters import filter_recursively
 
 _DISCARDED_BITS: Final = np.uint64(11)
 _RESOLUTION: Final = 2.0**-53
@@ -210,11 +211,11 @@ def _blocks(frequency: Array, bandwidth: float) -> Iterator[tuple[int, int]]:
 def _oscillate(impulses: Array, angle: float, bandwidth: float) -> Array:
     """Response ω h of an oscillator of ω Δt = angle to impulses, shape (..., n)."""
     decay, turn = exp(-bandwidth * angle), angle * sqrt(1.0 - bandwidth**2)
-    weight, last_weight = 2.0 * decay * cos(turn), decay**2
-    response: Array = scipy.signal.lfilter(
-        [0.0, angle * decay * sin(turn)], [1.0, -weight, last_weight], impulses
-    )
-    return response
+    numerator = np.array([0.0, angle * decay * sin(turn)])
+    denominator = np.array([1.0, -2.0 * decay * cos(turn), decay**2])
+    rows = impulses.reshape(-1, impulses.shape[-1])
+    responses = [filter_recursively(numerator, denominator, row) for row in rows]
+    return np.reshape(responses, impulses.shape)
 
 
 _ORDER: Final = 4
