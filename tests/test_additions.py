@@ -12,12 +12,14 @@ from reliab.core.errors import InputError
 from reliab.core.registry import read_entry_points
 from reliab.criterion.laws.registry import FITTED_LAWS, law_from_dict, law_to_dict
 from reliab.criterion.methods.registry import METHODS, method_of
+from reliab.discrepancy.adding import update_model
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
 from reliab.effects.registry import find_effect, library
 from reliab.motions.loading import load_motions
 from reliab.motions.readers.registry import FORMATS
 from reliab.report.prose import meaning_of_confidence
+from reliab.simulation.hybrid_test.model_file import read_model, write_model
 from reliab.structures.frame import Specimen
 from reliab.study.kinds import KINDS
 from reliab.study.running import read_study
@@ -158,7 +160,7 @@ def test_an_effect_is_known_by_name(plugin):
     assert find_effect("thermal_bias").__name__ == "Thermal"
 
 
-def test_effect_of_the_guide_is_named_with_its_parameters(plugin):
+def test_effect_of_the_guide_is_named_with_its_parameters(plugin, tmp_path):
     """The module as the page prints it; the tests are computed here, f = 40 N at w = 4 mm beside a spring."""
     page = (Path(__file__).parents[1] / "reports/site/how_to/add_your_own.md").read_text(encoding="utf-8")
     (module,) = re.findall(r"```python\n# magnetic_centring\.py\n(.*?)```", page, flags=re.DOTALL)
@@ -176,8 +178,12 @@ def test_effect_of_the_guide_is_named_with_its_parameters(plugin):
     campaign = Campaign(
         name="", structure=None, mass=1.0, actuator=None, specimen=specimen, rate=128.0, tests=tuple(tests)
     )
-    (effect,) = diagnose(campaign).effects
+    diagnosis = diagnose(campaign)
+    (effect,) = diagnosis.effects
     assert effect.name == "magnetic_centring"
+    write_model(tmp_path / "model.toml", update_model(diagnosis))
+    (read_effect,) = read_model(tmp_path / "model.toml").test.effects
+    assert read_effect.values == pytest.approx([estimate.value for estimate in effect.estimates], rel=1e-3)
     for estimate, truth in zip(effect.estimates, (40.0, 0.004), strict=True):
         assert estimate.value == pytest.approx(truth, abs=4.0 * estimate.sd)
         assert estimate.sd < 0.1 * truth

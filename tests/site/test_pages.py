@@ -98,6 +98,14 @@ def test_the_plugin_on_its_page_is_known_by_its_name(tmp_path):
     assert limits["b"] > 0.0
 
 
+def test_projects_of_the_guide_name_their_module():
+    """Otherwise `pip install .` takes a campaign's folder beside the module for a second package."""
+    page = (SITE / "how_to" / "add_your_own.md").read_text(encoding="utf-8")
+    modules = [re.match(r"# (\w+)\.py\n", block)[1] for block in blocks(page, "python")]
+    projects = [tomllib.loads(block) for block in blocks(page, "toml")]
+    assert [project["tool"]["setuptools"]["py-modules"] for project in projects] == [[m] for m in modules]
+
+
 def test_first_page_and_readme_show_one_answer():
     (answer,) = blocks((SITE / "index.md").read_text(encoding="utf-8"), "text")
     assert answer in README.read_text(encoding="utf-8")
