@@ -11,6 +11,7 @@ from reliab.discrepancy.fitting import search
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
+from reliab.discrepancy.naming.naming import calibrate_plainly
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
@@ -272,8 +273,8 @@ def test_a_plain_calibration_weighs_every_frequency_alike():
     models = SearchOfGains({(): 100.0}, {})
     models.null.noise = SimpleNamespace(density=lambda frequency: 3.0 + frequency, rate=100.0)
     models.problem.block = SimpleNamespace(rate=100.0)
-    with patch("reliab.discrepancy.fitting.search.fit", lambda *arguments: arguments):
-        _problem, space, starts, noise = models.plain(models.null)
+    with patch("reliab.discrepancy.naming.naming.fit", lambda *arguments: arguments):
+        _problem, space, starts, noise = calibrate_plainly(models, models.null)
     assert (space, starts) == (models.null.space, [models.null.coordinates])
     assert noise.rate == 100.0
     assert noise.density(np.array([1.0, 49.0])) == pytest.approx(3.0 + 25.0)

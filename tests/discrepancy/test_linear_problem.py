@@ -206,6 +206,36 @@ def test_a_fit_improves_from_anywhere_and_not_beyond_its_steps():
     assert problem.simulated == 0  # a step from there promises nothing
 
 
+class Sketched(Linear):
+    """A problem with a sketch that errs by a part of every derivative, and by a constant."""
+
+    def __init__(self, share):
+        super().__init__()
+        self.share = share
+
+    @property
+    def sketch(self):
+        return SimpleNamespace(
+            whiten=lambda _space, x, _noise: TARGET + 2.0 - (MATRIX * (1.0 + self.share)) @ x
+        )
+
+
+def test_fit_by_a_sketch_reaches_the_optimum_with_few_full_simulations():
+    """A sketch that is off by 15 % of the derivatives: each correction leaves a part of the way to go."""
+    best = np.linalg.lstsq(*stack_prior(), rcond=None)[0]
+    problem = Sketched(0.15 * np.cos(np.arange(SIZE)))
+    result = fit(problem, space_of(), [np.zeros(SIZE)], NOISE)
+    assert result.loss - fit_at(best).loss < 0.1
+    assert result.residual == pytest.approx(TARGET - MATRIX @ result.coordinates)
+    assert problem.simulated <= 5
+
+
+def test_misleading_sketch_leaves_a_fit_where_it_was():
+    start = fit_at(np.linalg.lstsq(*stack_prior(), rcond=None)[0] + 0.1)
+    result = improve_fit(Sketched(-1.5), start)
+    assert result.loss <= start.loss
+
+
 @pytest.mark.parametrize("fixed", [(), (2,)])
 def test_without_some_rows_a_linear_model_is_the_ridge_regression_of_the_others(fixed):
     excluded_rows = np.arange(ROWS) % 3 == 0

@@ -115,13 +115,6 @@ class Search:
             self._errors[candidate] = leave_out(self.problem, candidate)
         return self._errors[candidate]
 
-    def plain(self, calibrated_model: Fit) -> Fit:
-        """Calibrate by ordinary least squares, without a noise model, as a laboratory would."""
-        grid = np.linspace(0.0, 0.5 * self.problem.block.rate, 99)
-        variance = float(np.mean(self.null.noise.density(grid)))
-        white = NoiseModel.white(self.null.noise.rate, variance)
-        return fit(self.problem, calibrated_model.space, [calibrated_model.coordinates], white)
-
     @property
     def best(self) -> Fit:
         """The most credible of all fitted models."""
@@ -281,9 +274,9 @@ class Search:
         Noise then judges models; parts that are left out do otherwise.
         """
         best, kinds = self.null, (*self.candidates, *self.problem.block.outside)
-        if not is_model_error(self.problem, best):
-            return True
         for _ in range(MOST_EFFECTS):
+            if not is_model_error(self.problem, best):
+                return True
             promising = [one for one in self.screen(best, kinds)[:_TRIES] if one.start.size]
             rough: list[Fit] = []
             for begin in range(0, len(promising), _WORKERS):
@@ -291,9 +284,7 @@ class Search:
                 if not all(is_model_error(self.problem, model) for model in rough[begin:]):
                     return True
             best = refine_fit(self.problem, max(rough, key=lambda model: model.log_likelihood, default=best))
-            if not is_model_error(self.problem, best):
-                return True
-        return False
+        return not is_model_error(self.problem, best)
 
     def _starts(self, promise: Promise) -> list[Array]:
         """Coordinates from which to fit a further effect."""

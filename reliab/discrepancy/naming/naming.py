@@ -54,6 +54,7 @@ from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import GeneralTerm, is_general
 from reliab.effects.stroke_saturation import StrokeSaturation
 from reliab.effects.viscous_damping import ViscousDamping
+from reliab.signals.noise import NoiseModel
 
 MOST_SURE = 0.99
 """Largest probability that is stated where what the best model leaves fails the noise test."""
@@ -79,7 +80,7 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structure)
     effects, doubtful, uncertain = naming.state_effects()
     offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
-    residuals_before = proof.residuals(search.plain(calibrated_model).neutralise(offsets))
+    residuals_before = proof.residuals(calibrate_plainly(search, calibrated_model).neutralise(offsets))
     residuals_after = proof.residuals(best)
     measured_gap = gap(proof, residuals_before, residuals_after, noise_like_tests(proof, noise_judgement[1]))
     missing = bool(set(best.space.effects) - restatements or offsets)
@@ -109,6 +110,13 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         linear=naming.linear,
         refining=tuple(choice.refining),
     )
+
+
+def calibrate_plainly(search: Search, calibrated_model: Fit) -> Fit:
+    """Calibrate by ordinary least squares, without a noise model, as a laboratory would."""
+    grid = np.linspace(0.0, 0.5 * search.problem.block.rate, 99)
+    white = NoiseModel.white(search.null.noise.rate, float(np.mean(search.null.noise.density(grid))))
+    return fit(search.problem, calibrated_model.space, [calibrated_model.coordinates], white)
 
 
 def _locate_residual(
