@@ -345,7 +345,13 @@ def test_an_offset_of_the_clocks_beside_effects_needs_little_only_where_noise_is
 
 
 @pytest.mark.parametrize(
-    ("share_left", "reaches"), [([0.01], True), ([0.5, 0.4, 0.01], True), ([0.5, 0.4, 0.3, 0.2], False)]
+    ("share_left", "reaches"),
+    [
+        ([0.01], True),
+        ([0.5, 0.01], True),  # a rough fit leaves noise: no other is tried
+        ([0.5, 0.4, 0.01], True),  # the refined one does
+        ([0.5, 0.4, 0.3, 0.3, 0.2, 0.2, 0.1], False),
+    ],
 )
 def test_noise_judges_only_where_a_few_effects_can_leave_it(monkeypatch, share_left, reaches):
     shares = iter(share_left)
