@@ -1,11 +1,11 @@
 """Measure `diagnose` on blind campaigns that nobody has seen, restartable.
 
 `python tests/benchmarks/blind_evaluation.py FOLDER [--seed 2000000] [--count 400] [--without-rivals]
-[--variant NAME] [--kind KIND] [--effect EFFECT]` draws the campaigns of the seeds from `--seed` on (of one
-kind or with one effect only, if one is given), makes them harder as the variant says, diagnoses each, keeps
-labels and results in FOLDER, and writes FOLDER/figures.json, the table of `tests/blind_campaigns/score.py`
-and how long it took. What is there already is not done again; several runs may share the work, each with its
-own range of seeds.
+[--variant NAME] [--kind KIND] [--effect EFFECT] [--observation NAME]` draws the campaigns of the seeds from
+`--seed` on (of one kind, with one effect or observed in one way only, if one is given), changes them as the
+variant says, diagnoses each, keeps labels and results in FOLDER, and writes FOLDER/figures.json, the table of
+`tests/blind_campaigns/score.py` and how long it took. What is there already is not done again; several runs
+may share the work, each with its own range of seeds.
 """
 
 import argparse
@@ -22,6 +22,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from benchmarks.campaign_variants import MIXED_VARIANT, NOISY_DB, VARIANTS, changes_of  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
+from blind_campaigns.case import Observation  # noqa: E402
 from blind_campaigns.kinds import Kind  # noqa: E402
 from blind_campaigns.labels import write_label  # noqa: E402
 from blind_campaigns.scoring import main as score  # noqa: E402
@@ -132,18 +133,22 @@ def main() -> None:
     parser.add_argument(
         "--variant",
         choices=sorted([*VARIANTS, MIXED_VARIANT]),
-        help="Make every campaign harder in this way.",
+        help="Change every campaign in this way.",
     )
     parser.add_argument(
         "--kind", choices=[str(kind) for kind in Kind], help="Draw campaigns of one kind only."
     )
     parser.add_argument("--effect", help="Hide this effect in every campaign of a single one.")
+    parser.add_argument("--observation", choices=[str(item) for item in Observation], help="Observe so only.")
     options_of_command = parser.parse_args()
     options = Options(
         kind=None if options_of_command.kind is None else Kind(options_of_command.kind),
         effect=options_of_command.effect,
         snr_db=NOISY_DB if options_of_command.variant == "noisy" else None,
         with_rivals=not options_of_command.without_rivals,
+        observation=None
+        if options_of_command.observation is None
+        else Observation(options_of_command.observation),
     )
     for part in ("labels", "results"):
         (options_of_command.folder / part).mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Harder campaigns: nominal values that are wrong, few tests, short ones, and noisy channels."""
+"""Other campaigns: wrong nominal values, few tests, short ones, noisy channels, fewer channels."""
 
 import math
 import re
@@ -12,6 +12,9 @@ SHORT = 5.0
 
 NOISY_DB = 15.0
 """Signal-to-noise ratio of noisy channels, the middle of 10 to 20 dB."""
+
+SAMPLES = 110_000
+"""Samples of a campaign of two blocks."""
 
 FORCE_OFFSET = "force_offset"
 MIXED_VARIANT = "mixed"
@@ -68,6 +71,21 @@ def _add_force_offset(campaign: Path) -> None:
         file.write_text("\n".join([header, *new_rows]) + "\n", encoding="ascii")
 
 
+def _keep_two_blocks(campaign: Path) -> None:
+    """Keep so many samples, and no ground acceleration, so that actuator and specimen alone are observed."""
+    rows = {file: file.read_text(encoding="ascii").splitlines() for file in campaign.glob("*.csv")}
+    every = max(1, round(sum(map(len, rows.values())) / SAMPLES))
+    for test, (header, *lines) in rows.items():
+        place = header.split(",").index("ground_acceleration_mps2")
+        kept = [line.split(",") for line in [header, *lines[::every]]]
+        text = "\n".join(",".join(row[:place] + row[place + 1 :]) for row in kept)
+        test.write_text(text + "\n", encoding="ascii")
+    file = campaign / "campaign.toml"
+    stated = file.read_text(encoding="utf-8")
+    rate = re.sub(r"rate_hz = (\S+)", lambda match: f"rate_hz = {float(match[1]) / every!r}", stated)
+    file.write_text(rate, encoding="utf-8")
+
+
 def changes_of(variant: str | None, seed: int, *, hidden: Collection[str]) -> tuple[str, ...]:
     """Names of the changes of a campaign, for the names of what is hidden in it.
 
@@ -90,5 +108,6 @@ VARIANTS: dict[str, Callable[[Path], None]] = {
     "two_tests": _keep_two_tests,
     "noisy": lambda _campaign: None,
     FORCE_OFFSET: _add_force_offset,
+    "two_blocks": _keep_two_blocks,
 }
 """What is changed in the folder of a campaign, by name; noise is drawn by the laboratory itself."""
