@@ -183,9 +183,8 @@ def assess(
 
 def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
     """Whether a specimen of which nothing is stated, and which can be learned, is nonlinear by its force."""
-    is_open = question.linear and not (question.linear_specimen or question.equipment.is_exact)
-    frame = question.frame
-    is_open = is_open and not recording.has_several  # of which each force depends on all displacements
+    is_settled = question.linear_specimen or question.equipment.is_exact or recording.has_several
+    is_open, frame = question.linear and not is_settled, question.frame
     has_masses = "mass" in question.stated if frame is None else not frame.partition.specimen_mass.any()
     if not is_open or not has_masses or recording.force is None:
         return False
@@ -340,14 +339,15 @@ def _take_what_is_shown(
 
 
 def _take_shown_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
-    """Take the mass that the channels show, of which nothing was stated, and say so where it was used."""
+    """Take the mass that the channels show, of which nothing was stated, and say so; none without a force."""
+    if not posterior.circumstances.specimen_force:
+        return replace(question, stated={k: v for k, v in question.stated.items() if k != "mass"}), ()
     mass = posterior.shown_value("mass", question.stated["mass"].value)
     sentence = (
         f"No mass was stated; the recorded force and ground acceleration show {significant(mass.value, 4)} ± "
         f"{significant(mass.deviation, 1)} kg."
     )
-    used = (sentence,) if posterior.circumstances.specimen_force else ()
-    return replace(question, stated={**question.stated, "mass": mass}), used
+    return replace(question, stated={**question.stated, "mass": mass}), (sentence,)
 
 
 def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:

@@ -538,6 +538,9 @@ def test_force_and_ground_acceleration_show_a_mass_that_nobody_states(test_with_
     sentences = [sentence for sentence in result.warnings if "mass" in sentence]
     assert len(sentences) == 1
     assert sentences[0].startswith("No mass was stated; the recorded force and ground acceleration show ")
+    assert (
+        "mass" not in assess(recording, xi=ratio, specimen="linear", **known).stated
+    )  # the force is ignored
     with pytest.raises(InputError, match="record the ground acceleration"):
         assess(replace(recording, ground=None), xi=ratio, specimen="measured", **known)
 
