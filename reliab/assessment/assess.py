@@ -14,11 +14,7 @@ import numpy as np
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.budget.sizes import Equipment, exact_equipment
 from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
-from reliab.assessment.conflicts import (
-    OwnEquation,
-    compare_with_stated,
-    looks_nonlinear,
-)
+from reliab.assessment.conflicts import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.faults import Fault, error_with_faults, faults_of_channel, repair_recording
@@ -201,9 +197,8 @@ def _require_judgeable(recording: Recording, question: Question) -> None:
     if recording.has_several:
         require_stated_forces(recording, question.full_structure, question.to_interface)
     if question.frame is None and question.mass is not None and question.linear:
-        sound, *_ = remove_spikes(recording)
         require_unit_of_force(
-            sound, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
+            recording, question.structure, mass=question.mass, feedback_lag=question.feedback_lag
         )
     for quantity in QUANTITIES:
         quantity.require_possible(quantity.stated_deviation(question.stated))
@@ -315,8 +310,7 @@ def _find_mass(recording: Recording, question: Question) -> Question:
     """Take a mass that nobody stated as about the one that force and ground acceleration show."""
     if question.frame is not None or question.model is not None or question.mass is not None:
         return question
-    sound, lag = remove_spikes(recording)[0], question.feedback_lag
-    mass = mass_from_ground(sound, question.structure, feedback_lag=lag)
+    mass = mass_from_ground(recording, question.structure, feedback_lag=question.feedback_lag)
     if mass is None:
         return question
     return replace(question, stated={**question.stated, "mass": StatedValue(mass, _ANY_MASS * mass)})

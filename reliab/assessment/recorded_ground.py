@@ -20,6 +20,7 @@ from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.core.vocabulary import STANDARD_GRAVITY
+from reliab.recordings.behaviour import remove_spikes
 from reliab.recordings.recording import Part, Recording
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -252,9 +253,10 @@ def mass_from_ground(recording: Recording, structure: Structure, *, feedback_lag
     is_short = recording.duration * structure.frequency < _FEWEST_PERIODS
     if recording.ground is None or recording.force is None or is_short:
         return None
+    command = remove_spikes(recording)[0].command
     kernel = SmoothingKernel.from_frequency(structure.frequency, recording.time_step)
     w0 = structure.circular_frequency
-    x, v, a = (kernel.smooth_derivative(recording.command, order) for order in range(3))
+    x, v, a = (kernel.smooth_derivative(command, order) for order in range(3))
     computed_acceleration = (
         a + 2.0 * structure.damping_ratio * w0 * v + (1.0 - structure.experimental_fraction) * w0**2 * x
     )

@@ -24,7 +24,6 @@ _SAMPLES_PER_PERIOD = 48.0  # samples in a period
 _BAND = 10.0  # natural frequencies that are kept
 _BLOCK = 0.4  # periods
 _RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
-_KINDS = 3  # of shapes: elastic, dissipating and yielding ones
 _YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a Jenkins element slips
 _TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
 _GAIN = 0.25  # share of the residual that must vanish on the other half
@@ -76,14 +75,13 @@ def examine_specimen(
     def smooth(history: Array) -> Array:
         return convolve_valid(history, low_pass)[::stride]
 
-    linear: list[Array] = []
-    groups: list[list[Array]] = [[] for _ in range(_KINDS)]
-    for row in np.atleast_2d(measured_displacement):
-        velocity = np.gradient(row, time_step)
-        linear += [smooth(history) for history in (row, velocity, np.gradient(velocity, time_step))]
-        for group, shapes in zip(groups, _shapes(row, velocity), strict=True):
-            group += [smooth(shape) for shape in shapes]
+    rows = np.atleast_2d(measured_displacement)
+    velocities = np.gradient(rows, time_step, axis=1)
+    histories = (*rows, *velocities, *np.gradient(velocities, time_step, axis=1))
+    linear = [smooth(history) for history in histories]
     linear.append(np.ones(linear[0].size))
+    kinds = zip(*map(_shapes, rows, velocities), strict=True)
+    groups = [[smooth(shape) for shape in chain(*kind)] for kind in kinds]
     checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]
     return max(checks, key=lambda check: (check.nonlinear, check.share))
 
