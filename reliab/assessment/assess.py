@@ -50,7 +50,7 @@ _LEARNED_NOTE = (
     "`specimen` measured. State it as linear if it was."
 )
 _ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
-_ANY_MASS = 0.2  # of a mass that nobody stated, before force and ground acceleration are weighed
+_ANY_MASS = 0.2  # standard deviation of a mass that nobody stated, over its rough estimate
 _SMALL_MOTION = 0.02  # of the largest command: below it, faults of a channel cannot be told from coupling
 
 
@@ -151,7 +151,7 @@ def assess(
         from reliab.assessment.frame_test import fit_to_frame
 
         recording, question = fit_to_frame(recording, question, criterion)
-    stated_values, question = question.stated, _find_mass(recording, question)
+    stated_values, question = question.stated, _estimate_mass(recording, question)
     if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
     _require_judgeable(recording, replace(question, stated=stated_values))
@@ -159,8 +159,8 @@ def assess(
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
     judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
-    question, assumed = _take_what_is_shown(
-        judged, assumed, finds_mass=len(question.stated) > len(stated_values)
+    question, assumed = _adopt_identified_values(
+        judged, assumed, is_mass_open=len(question.stated) > len(stated_values)
     )
     judged = replace(judged, question=question)
     if question.measured_specimen and not measured_specimen:
@@ -306,8 +306,8 @@ def _place_test(
     return place_on_own(motion, tracking, alignment, question)
 
 
-def _find_mass(recording: Recording, question: Question) -> Question:
-    """Take a mass that nobody stated as about the one that force and ground acceleration show."""
+def _estimate_mass(recording: Recording, question: Question) -> Question:
+    """Estimate a mass that nobody stated from force and ground acceleration, roughly."""
     if question.frame is not None or question.model is not None or question.mass is not None:
         return question
     mass = mass_from_ground(recording, question.structure, feedback_lag=question.feedback_lag)
@@ -316,27 +316,27 @@ def _find_mass(recording: Recording, question: Question) -> Question:
     return replace(question, stated={**question.stated, "mass": StatedValue(mass, _ANY_MASS * mass)})
 
 
-def _take_what_is_shown(
-    judged: JudgedError, assumed: tuple[str, ...], *, finds_mass: bool
+def _adopt_identified_values(
+    judged: JudgedError, assumed: tuple[str, ...], *, is_mass_open: bool
 ) -> tuple[Question, tuple[str, ...]]:
-    """Take what the channels show of a damping ratio or a mass that nobody stated, and say so.
+    """Adopt the damping ratio and the mass that were identified where nobody stated them, and say so.
 
-    `assumed`: that no damping ratio was stated; `finds_mass`: whether the channels have to show the mass.
+    `assumed`: that no damping ratio was stated; `is_mass_open`: whether the mass was not stated.
     """
     question, error = judged.question, judged.error
     if assumed and error.posterior is not None:
-        question, assumed = _take_shown_damping(question, error.posterior)
-    if finds_mass:
-        question, sentence = _take_shown_mass(question, error.rebuilt.inferred.posterior)
+        question, assumed = _adopt_identified_damping(question, error.posterior)
+    if is_mass_open:
+        question, sentence = _adopt_identified_mass(question, error.rebuilt.inferred.posterior)
         assumed = (*assumed, *sentence)
     return question, assumed
 
 
-def _take_shown_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
-    """Take the mass that the channels show, of which nothing was stated, and say so; none without a force."""
+def _adopt_identified_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
+    """Adopt the mass that was identified, and say so; none where the force was not used."""
     if not posterior.circumstances.specimen_force:
         return replace(question, stated={k: v for k, v in question.stated.items() if k != "mass"}), ()
-    mass = posterior.shown_value("mass", question.stated["mass"].value)
+    mass = posterior.identified_value("mass", question.stated["mass"].value)
     sentence = (
         f"No mass was stated; the recorded force and ground acceleration show {significant(mass.value, 4)} ± "
         f"{significant(mass.deviation, 1)} kg."
@@ -344,9 +344,11 @@ def _take_shown_mass(question: Question, posterior: TestPosterior) -> tuple[Ques
     return replace(question, stated={**question.stated, "mass": mass}), (sentence,)
 
 
-def _take_shown_damping(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
-    """Take the damping ratio that the channels show, of which nothing was stated, and say so."""
-    ratio = posterior.shown_value("damping_ratio", question.structure.damping_ratio)
+def _adopt_identified_damping(
+    question: Question, posterior: TestPosterior
+) -> tuple[Question, tuple[str, ...]]:
+    """Adopt the damping ratio that was identified, and say so."""
+    ratio = posterior.identified_value("damping_ratio", question.structure.damping_ratio)
     sentence = (
         f"No damping ratio was stated; the recording shows {significant(ratio.value, 2)} ± "
         f"{significant(ratio.deviation, 1)}, where any from 0.005 to 0.1 was possible."

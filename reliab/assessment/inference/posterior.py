@@ -76,8 +76,8 @@ class TestPosterior:
         deviation = np.sqrt(self.draws.weights @ spread**2)
         return dict(zip((unknown.name for unknown in self.unknowns), deviation.tolist(), strict=True))
 
-    def shown_value(self, name: str, stated: float) -> StatedValue:
-        """Return what the channels show of a quantity with a relative deviation, where that was stated."""
+    def identified_value(self, name: str, stated: float) -> StatedValue:
+        """Posterior mean and standard deviation of a quantity with a relative uncertainty."""
         return StatedValue(stated * (1.0 + self.means[name]), stated * self.deviations[name])
 
     def conflict(self, unknown: UncertainQuantity, stated_share: float = 1.0) -> float:

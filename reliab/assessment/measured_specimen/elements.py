@@ -470,7 +470,7 @@ def _laws_base(displacement: float) -> Iterator[tuple[int, float, float]]:
 
 
 def _plain(displacement: float) -> Iterator[tuple[int, float, float]]:
-    for share in (_LINEAR, *_YIELDS):  # the linear one first: what did not yield in the test is taken as it
+    for share in (_LINEAR, *_YIELDS):  # linear first: of springs that did not yield it is kept
         yield Kind.ELASTIC_PLASTIC, share * displacement, 0.0
     for sign in (1.0, -1.0):
         yield Kind.CONSTANT, sign * displacement, 0.0
