@@ -17,7 +17,13 @@ from reliab.assessment.checks import CHECKS, doubts_of_columns, verdict_of_error
 from reliab.assessment.conflicts import OwnEquation, compare_with_stated, looks_nonlinear
 from reliab.assessment.default_criterion import criterion_of_test
 from reliab.assessment.error_of_test import ErrorOfTest, Question
-from reliab.assessment.faults import Fault, error_with_faults, faults_of_channel, repair_recording
+from reliab.assessment.faults import (
+    Fault,
+    error_with_faults,
+    faults_of_channel,
+    faults_of_force,
+    repair_recording,
+)
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedError
@@ -27,6 +33,7 @@ from reliab.assessment.recorded_force import require_stated_forces
 from reliab.assessment.recorded_ground import mass_from_ground, require_unit_of_force
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
+from reliab.core.errors import InputError
 from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -151,6 +158,7 @@ def assess(
         from reliab.assessment.frame_test import fit_to_frame
 
         recording, question = fit_to_frame(recording, question, criterion)
+    recording, question, faults = _set_force_aside(recording, question)
     stated_values, question = question.stated, _estimate_mass(recording, question)
     if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
@@ -158,7 +166,7 @@ def assess(
     if criterion is None and question.frame is None:
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
-    judged = _judge(recording, question, criterion, motion, has_damping=not assumed)
+    judged = _judge(recording, question, faults, criterion, motion, has_damping=not assumed)
     question, assumed = _adopt_identified_values(
         judged, assumed, is_mass_open=len(question.stated) > len(stated_values)
     )
@@ -175,6 +183,23 @@ def assess(
     if isinstance(assessment, Assessment):
         judged = replace(judged, placement=assessment.placement)
     return assessment.add_doubts(doubt for check in CHECKS for doubt in check(judged))
+
+
+def _set_force_aside(
+    recording: Recording, question: Question
+) -> tuple[Recording, Question, tuple[Fault, ...]]:
+    """Take a force that stood still out of a test, and give its faults."""
+    faults = tuple(faults_of_force(recording))
+    if not faults:
+        return recording, question, ()
+    if question.measured_specimen:
+        raise InputError(
+            "A specimen cannot be learned from a force that stood still",
+            value=faults[0].sentence,
+            remedy="Export the force again, or state the specimen as linear",
+            where=recording.name,
+        )
+    return replace(recording, force=None), replace(question, ignores_force=True), faults
 
 
 def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
@@ -232,6 +257,7 @@ def _find_faults(recording: Recording, question: Question) -> tuple[tuple[Fault,
 def _judge(
     recording: Recording,
     question: Question,
+    known_faults: tuple[Fault, ...],
     criterion: Criterion | None,
     motion: "Motion | None",
     *,
@@ -239,15 +265,17 @@ def _judge(
 ) -> JudgedError:
     """Judge a test by its error, and examine what its recording shows of the structure.
 
-    `has_damping`: whether a damping ratio was stated.
+    `known_faults`: those of its force; `has_damping`: whether a damping ratio was stated.
     """
     faults, tracking = _find_faults(recording, question)
+    faults = known_faults + faults
     sound = repair_recording(recording, faults)
     if tracking is not None and faults:
         tracking = track(sound, seed=question.seed)
     asked = question if has_damping else _broaden_damping(question)
     nonlinear = looks_nonlinear(sound, question.structure) if question.linear else ""
-    error, effects = error_with_faults(recording, faults, replace(asked, ignores_force=bool(nonlinear)))
+    asked = replace(asked, ignores_force=asked.ignores_force or bool(nonlinear))
+    error, effects = error_with_faults(recording, faults, asked)
     equation = OwnEquation(notes=error.ground.notes, doubts=error.ground.doubts)
     if (posterior := error.posterior) is not None:
         structure = question.structure

@@ -40,10 +40,12 @@ _NONLINEAR_OF_SEVERAL = (
 )
 _NOISY = "Record with less noise, or drive the specimen further."
 _ENTRIES = "State the natural frequencies as they were measured, in place of entries of a matrix."
-_COPY_REMEDY = "Export the test again, each channel from its own sensor."
-_JUMP_REMEDY = (
-    "Export the test again, whole and alone: from its first motion to its end, without lost samples."
-)
+_REMEDIES: Final = {
+    "copy": "Export the test again, each channel from its own sensor.",
+    "jump": "Export the test again, whole and alone: from its first motion to its end, without lost samples.",
+    "force": "Find out which force the computer received: if it was this one, the test is wrong by more.",
+}
+"""What to do about faults without which the recording is not known."""
 _CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."
 _FIND_OUT = "Correct the recording, or find out whether the loop felt the fault, and assess the test again."
 _STILL = 1e-3  # of the command's peak: what the command of a structure at rest stays below
@@ -289,9 +291,7 @@ def check_faults(test: JudgedError) -> Iterator[Doubt]:
         fault = effect.fault
         if effect.otherwise is None:
             if word is Word.RELIABLE:
-                yield Doubt(
-                    finding=fault.sentence, remedy=_JUMP_REMEDY if fault.kind == "jump" else _COPY_REMEDY
-                )
+                yield Doubt(finding=fault.sentence, remedy=_REMEDIES.get(fault.kind, _REMEDIES["copy"]))
         elif fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             yield Doubt(
                 finding=f"{fault.sentence} The verdict depends on it, and whether the structure felt it is "

@@ -69,7 +69,7 @@ class Question:
     force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
     # The frame under test, of which `structure` is the mode that governs the error; None for one mass
     frame: "FrameUnderTest | None" = None
-    ignores_force: bool = False  # Whether the recorded force is not that of a linear specimen
+    ignores_force: bool = False  # Whether the recorded force is faulty, or not that of a linear specimen
 
     @property
     def full_structure(self) -> Partition:
@@ -135,6 +135,7 @@ class Question:
             self.linear
             and not self.linear_specimen
             and recording.force is None
+            and not self.ignores_force
             and self.equipment.yielding > 0.0
         )
 

@@ -155,7 +155,8 @@ def _faults_about(
     tracking = track(clean, window=window, seed=seed)
     prediction = _predict_measured(clean, tracking)
     faults = (
-        *_plain_faults(recording, clean, *spike_masks),
+        *_spikes(recording, clean, *spike_masks),
+        *_copy(clean),
         *zero_faults,
         *_jumps(clean),
         *_find_held_samples(clean),
@@ -165,19 +166,47 @@ def _faults_about(
     return faults, tracking
 
 
+def faults_of_force(recording: Recording) -> Iterator[Fault]:
+    """Find forces that stand still while the specimen turns back, as those of a saturated or lost load cell.
+
+    A specimen that yields or slips unloads as soon as the motion turns; one with a gap or a slack cable has
+    no force there, which comes and goes without a jump.
+    """
+    if recording.force is None:
+        return
+    rows = zip(*(np.atleast_2d(row) for row in (recording.force, recording.measured)), strict=True)
+    for place, (force, displacement) in enumerate(rows):
+        peak, moves = float(np.abs(force).max()), float(np.abs(displacement).max())
+        still = [
+            (begin, end)
+            for begin, end in _runs(np.abs(np.diff(force)) <= _STANDSTILL_STEP * peak)
+            if _turns_back(displacement[begin : end + 1]) > _STANDSTILL_SHARE * moves
+            and np.abs(force[max(begin - 1, 0) : end + 2]).max() > _STANDSTILL_SHARE * peak
+        ]
+        if still:
+            lasting = sum(end - begin for begin, end in still) * recording.time_step
+            turns = max(_turns_back(displacement[begin : end + 1]) for begin, end in still)
+            yield Fault(
+                kind="force",
+                finding=f"The recorded force stands still for {significant(lasting)} s in all, first at "
+                f"{still[0][0] * recording.time_step:.4g} s, while the displacement turns back by "
+                f"{percent(turns / moves, decimals=0)} of its peak, as if the load cell were saturated or "
+                "lost: the force was not used.",
+                actuator=recording.actuators[place] if recording.has_several else "",
+                place=place,
+            )
+
+
+def _turns_back(displacement: Array) -> float:
+    """How far a displacement goes beyond both of its ends [m]."""
+    ends = displacement[[0, -1]]
+    return float(max(displacement.max() - ends.max(), ends.min() - displacement.min()))
+
+
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:
     """Look for faults that show without any model of the rig: spikes, and one channel exported twice."""
-    return tuple(_plain_faults(recording, *remove_spikes(recording)))
-
-
-def _plain_faults(
-    recording: Recording,
-    clean: Recording,
-    command_spikes: NDArray[np.bool_],
-    measured_spikes: NDArray[np.bool_],
-) -> Iterator[Fault]:
-    yield from _spikes(recording, clean, command_spikes, measured_spikes)
-    yield from _copy(clean)
+    clean, *spike_masks = remove_spikes(recording)
+    return *_spikes(recording, clean, *spike_masks), *_copy(clean)
 
 
 def _other_zero(recording: Recording) -> Iterator[Fault]:

@@ -1,11 +1,16 @@
 """Faults of a recording are found and stated with what they do to the error; sound recordings have none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from reliab.assessment.assess import assess
+from reliab.assessment.faults import faults_of_force
+from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.verdict import Word
 from reliab.core.errors import InputError
+from reliab.core.stated_value import StatedValue
 from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure
 
@@ -111,6 +116,59 @@ def test_a_copied_channel_is_never_reliable(good):
     result = find_faults(good, good.command.copy())
     assert kinds(result) == {"copy"}
     assert result.verdict == "undecided"
+
+
+def with_force(test, force):
+    """Return the recording of a test with a force [N] and its noise."""
+    noisy = force + 0.002 * force.std() * np.random.default_rng(3).normal(size=force.size)
+    return Recording(command=test.command, measured=test.measured, time_step=1.0 / 256.0, force=noisy)
+
+
+STATED = {"mass": StatedValue(1000.0)}
+STIFFNESS = 1000.0 * ONE_HERTZ.circular_frequency**2
+
+
+def saturated(force, share):
+    return np.clip(force, -share * np.abs(force).max(), share * np.abs(force).max())
+
+
+def lost(force):
+    place = np.abs(force).argmax()
+    return np.concatenate([force[: place - 100], np.zeros(200), force[place + 100 :]])
+
+
+@pytest.mark.parametrize("spoil", [lambda force: saturated(force, 0.6), lost])
+def test_a_saturated_or_lost_load_cell_is_no_yielding_specimen(shaken, good, spoil):
+    sound = with_force(good, STIFFNESS * good.measured)
+    spoilt = replace(sound, force=spoil(sound.force))
+    result, alone = (
+        assess(test, ONE_HERTZ, stated=stated, linear_specimen=True)
+        for test, stated in ((spoilt, STATED), (replace(sound, force=None), {}))
+    )
+    assert kinds(result) == {"force"}
+    assert result.verdict == "undecided"
+    assert "stands still" in result.reasons[0]
+    assert "computer received" in result.would_decide[0]
+    assert result.error.rms == alone.error.rms
+    bad = with_force(late := shaken(delay=0.02), STIFFNESS * late.measured)
+    assert assess(replace(bad, force=spoil(bad.force)), ONE_HERTZ, stated=STATED).verdict == "not_reliable"
+    with pytest.raises(InputError, match="cannot be learned from a force that stood still"):
+        assess(spoilt, ONE_HERTZ, stated=STATED, measured_specimen=True)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda x: slider_elongation(x, 0.3 * np.abs(x).max()),  # yields and unloads at once
+        lambda x: np.maximum(x, 0.0),  # a slack cable
+        lambda x: x - np.clip(x, -0.4 * np.abs(x).max(), 0.4 * np.abs(x).max()),  # a gap
+        lambda x: np.round(x, 3),  # a coarse converter
+    ],
+)
+def test_specimens_whose_force_stands_still_have_no_fault(good, law):
+    force = STIFFNESS * law(good.measured)
+    recording = Recording(command=good.command, measured=good.measured, time_step=1.0 / 256.0, force=force)
+    assert not list(faults_of_force(recording))
 
 
 @pytest.mark.parametrize(

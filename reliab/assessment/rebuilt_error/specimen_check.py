@@ -1,11 +1,12 @@
 """Check for a nonlinear specimen: force that no spring, dashpot or mass explains.
 
 The recorded force is explained twice, first by displacement, velocity and acceleration of the measured
-motion, then with additional shapes that a nonlinear specimen would show: powers of displacement and velocity,
-friction, and elastic–plastic springs in series (Jenkins elements, whose sums approximate any rate-independent
-hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one half of the test, in short
-blocks, and judged on the other half; of all kinds of shapes, used singly and together, the best fit is taken.
-Noise, a late sensor or a late force are not predicted better by such shapes; a nonlinear specimen is.
+motion, a constant and a drift, then with additional shapes that a nonlinear specimen would show: powers of
+displacement and velocity, friction, and elastic–plastic springs in series (Jenkins elements, whose sums
+approximate any rate-independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one
+half of the test, in short blocks, and judged on the other half; of all kinds of shapes, used singly and
+together, the best fit is taken. Noise, a late sensor or a late force are not predicted better by such shapes;
+a nonlinear specimen is.
 """
 
 from dataclasses import dataclass
@@ -79,7 +80,10 @@ def examine_specimen(
     velocities = np.gradient(rows, time_step, axis=1)
     histories = (*rows, *velocities, *np.gradient(velocities, time_step, axis=1))
     linear = [smooth(history) for history in histories]
-    linear.append(np.ones(linear[0].size))
+    linear += [
+        np.ones(linear[0].size),
+        np.linspace(-1.0, 1.0, linear[0].size),
+    ]  # zero and drift of a load cell
     kinds = zip(*map(_shapes, rows, velocities), strict=True)
     groups = [[smooth(shape) for shape in chain(*kind)] for kind in kinds]
     checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]

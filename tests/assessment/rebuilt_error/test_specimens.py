@@ -149,6 +149,15 @@ def test_shares_of_a_cubic_force_are_those_of_least_squares():
     assert check.gain > 0.98
 
 
+@pytest.mark.parametrize("amplitude", [0.3, 3.0])
+def test_a_load_cell_that_drifts_shows_no_nonlinear_specimen(amplitude):
+    time = np.arange(0.0, 40.0, 0.005)
+    displacement = np.sin(6.0 * time) * (1.2 + np.sin(0.3 * time))
+    drifting = 40.0 * displacement + amplitude * time / 40.0 + amplitude
+    assert not examine_specimen(displacement, drifting, 0.005, 1.0).nonlinear
+    assert examine_specimen(displacement, drifting + displacement**3, 0.005, 1.0).nonlinear
+
+
 def test_force_of_no_specimen_is_refused_or_linear():
     time = np.arange(0.0, 4.0, 0.005)
     displacement = np.sin(6.0 * time)
