@@ -46,6 +46,7 @@ class SpecimenTerm(NamedTuple):
     source: Kernel | int  # Kernel, or row of the motion to which the force is proportional
     numbers: tuple[float, ...] = ()  # Coefficients of the kernel
     averaged: bool = False  # Whether it is the mean over velocities that are known up to their spread
+    sensor: tuple[Effect, ...] = ()  # What the displacement sensor adds to the smoothed motion that it read
 
 
 class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
@@ -100,6 +101,7 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         earlier = np.full(len(peaks), max(peaks)) if self.forgets else np.maximum.accumulate([0.0, *peaks])
         self._moved_before = earlier.tolist()
         self._forces = lru_cache(maxsize=_CACHED_FORCES)(self._forces_in_recording)
+        self._pistons = lru_cache(maxsize=_CACHED_FORCES)(self._piston_in_recording)
         self.forget_terms()
 
     def without_memory(self) -> "SpecimenBlock":
@@ -146,13 +148,18 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         There is a single one where effects change the motion that others see.
         """
         tested_model = replace(model, moved_before=self._moved_before[self._beginnings[test]])
-        if any(isinstance(effect, SeriesPlay) for effect in model.effects) or self._is_read_otherwise(model):
+        if any(isinstance(effect, SeriesPlay) for effect in model.effects):
             other_effects = (effect for effect in tested_model.effects if not isinstance(effect, ClockOffset))
             return [(1.0, replace(tested_model, effects=tuple(other_effects)))]
         specimen = model.specimen or Specimen(stiffness=0.0)
         linear = (specimen.stiffness, specimen.damping, specimen.mass)
+        sensor = self._sensor(model)
         terms: list[tuple[float, HybridTest | SpecimenTerm]]
-        terms = [(factor, SpecimenTerm(source=row)) for row, factor in enumerate(linear) if factor != 0.0]
+        terms = [
+            (factor, SpecimenTerm(source=row, sensor=sensor))
+            for row, factor in enumerate(linear)
+            if factor != 0.0
+        ]
         setting, spread = tested_model.setting(self.motions[test].step), self._velocity_is_spread(model)
         for effect in model.acting(Role.FORCE, Role.FORCE_READING):
             if isinstance(effect, SteppedEffect) and not isinstance(effect, ClockOffset):
@@ -160,12 +167,12 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
                 numbers, factor = effect.coefficients(setting).tolist(), 1.0
                 if effect.kernel.linear is not None:
                     factor, numbers[effect.kernel.linear] = numbers[effect.kernel.linear], 1.0
-                terms.append((factor, SpecimenTerm(effect.kernel, tuple(numbers), is_averaged)))
+                terms.append((factor, SpecimenTerm(effect.kernel, tuple(numbers), is_averaged, sensor)))
         return terms
 
-    def _is_read_otherwise(self, model: HybridTest) -> bool:
-        """Whether a model's sensor reads another motion than the smoothed one that is known."""
-        return self.smoothed and bool(model.acting(Role.DISPLACEMENT_READING))
+    def _sensor(self, model: HybridTest) -> tuple[Effect, ...]:
+        """Give what a model's sensor adds to the motion, where the smoothed one that it read is known."""
+        return model.acting(Role.DISPLACEMENT_READING) if self.smoothed else ()
 
     def _velocity_is_spread(self, model: HybridTest) -> bool:
         """Whether a force depends so much on the velocity that its mean over the velocity's spread counts."""
@@ -178,16 +185,24 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
 
     def _forces_in_recording(self, term: HybridTest | SpecimenTerm, first: int) -> list[Array]:
         """Compute a force in all tests of one recording: what the specimen remembers goes on between them."""
-        motions = self.motions[first : first + self._beginnings.count(first)]
-        sizes = [motion.values.shape[1] for motion in motions]
-        values = np.concatenate([motion.values for motion in motions], axis=1)
-        force = self._force(term, Motion3(values=values, step=motions[0].step), first)
+        sensor = self._sensor(term) if isinstance(term, HybridTest) else term.sensor
+        force = self._force(term, self._pistons(sensor, first), first)
+        sizes = [motion.values.shape[1] for motion in self._motions_of_recording(first)]
         return np.split(force, np.cumsum(sizes[:-1]))
+
+    def _motions_of_recording(self, first: int) -> Sequence[Motion3]:
+        return self.motions[first : first + self._beginnings.count(first)]
+
+    def _piston_in_recording(self, sensor: tuple[Effect, ...], first: int) -> Motion3:
+        """Motion of the piston in all tests of one recording, without what the sensor added."""
+        motions = self._motions_of_recording(first)
+        piston = Motion3(
+            values=np.concatenate([motion.values for motion in motions], axis=1), step=motions[0].step
+        )
+        return _remove_reading(HybridTest(effects=sensor), piston) if sensor else piston
 
     def _force(self, term: HybridTest | SpecimenTerm, piston: Motion3, test: int) -> Array:
         if isinstance(term, HybridTest):
-            if self._is_read_otherwise(term):
-                piston = _remove_reading(term, piston)
             force = self._average_force(
                 piston, test, lambda motion: load(term, motion), self._velocity_is_spread(term)
             )
