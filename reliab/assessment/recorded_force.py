@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Final, Self
 
 import numpy as np
+import scipy
 
 from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.tracking_index import is_noisier
@@ -37,8 +38,6 @@ _LEAD_POWER = 0.25  # of the power that a force which follows the command leaves
 _REALIGNED_SHARE = 0.25  # of what is left over, by the same displacement without its lead
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
-_FLAT = 1e-12  # of the power per coefficient, below which no term explains more
-_MOST_STEPS = 3  # per term; collinear terms could take turns for ever
 _STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
 _FITTED_STIFFNESSES = (0.01, 100.0)  # the same where what is stated is a first value only
 _STRAIGHT, _LINEAR_STIFFNESSES = (
@@ -454,32 +453,5 @@ def _remaining_power(displacement: Array, forces: Sequence[Array], kernel: Smoot
         resistance - resistance.mean()
         for resistance in (kernel.smooth_derivative(force, 0) for force in forces)
     ]
-    return [_nonnegative_remainder(terms, target / float(np.linalg.norm(target))) for target in targets]
-
-
-def _nonnegative_remainder(terms: Array, target: Array) -> float:
-    """Power of a target of unit power that no sum with coefficients that are not negative explains [-].
-
-    `terms`, shape (n, k), `target`, shape (n,). By active sets (Lawson and Hanson 1974, *Solving least
-    squares problems*, section 23.3); a library's function for it takes longer to load than the verdict.
-    """
-    orthogonal, rows = np.linalg.qr(terms)
-    projection, coefficients = target @ orthogonal, np.zeros(rows.shape[1])
-    active = np.zeros(coefficients.size, dtype=bool)
-    for _ in range(_MOST_STEPS * coefficients.size):
-        slope = np.where(active, -np.inf, rows.T @ (projection - rows @ coefficients))
-        if slope.max() <= _FLAT:
-            break
-        active[np.argmax(slope)] = True
-        while True:
-            best = np.zeros_like(coefficients)
-            best[active] = np.linalg.lstsq(rows[:, active], projection, rcond=None)[0]
-            is_negative = active & (best <= 0.0)
-            if not is_negative.any():
-                break
-            way = coefficients[is_negative] / (coefficients[is_negative] - best[is_negative])
-            coefficients += way.min() * (best - coefficients)
-            active[np.flatnonzero(is_negative)[way <= way.min()]] = False
-            coefficients[~active] = 0.0
-        coefficients = best
-    return max(1.0 - float(np.sum((rows @ coefficients) ** 2)), 0.0)
+    unit_targets = [target / float(np.linalg.norm(target)) for target in targets]
+    return [float(scipy.optimize.nnls(terms, target)[1] ** 2) for target in unit_targets]

@@ -10,7 +10,6 @@ import scipy
 from reliab.assessment.assess import assess
 from reliab.assessment.plausibility import require_plausible
 from reliab.assessment.recorded_force import (
-    _nonnegative_remainder,
     doubts_of_force,
     doubts_of_sign,
     remark_on_force,
@@ -308,18 +307,3 @@ def test_a_brace_that_buckles_takes_work_and_is_not_reversed():
     load = np.convolve(noise, np.hanning(25), mode="same") * (time / 4.0) * np.exp(1.0 - time / 4.0)
     brace = simulated_tests.simulate("buckling brace", load, 1.0 / 256.0, np.random.default_rng(29))
     require_restoring_force(brace.measured, brace.force, 1.0 / 256.0)
-
-
-@pytest.mark.parametrize("is_equal", [1.0, 1e-2, 1e-6])
-def test_remainder_of_passive_elements_equals_nonnegative_least_squares(is_equal):
-    """Terms that are hardly independent, and two of opposite sign; against SciPy."""
-    rng = np.random.default_rng(3)
-    for _ in range(40):
-        terms = rng.standard_normal((60, 3)) @ rng.standard_normal((3, 8))
-        terms = terms + is_equal * rng.standard_normal(terms.shape)
-        terms[:, 3] = -terms[:, 1]
-        terms /= np.linalg.norm(terms, axis=0)
-        target = terms @ rng.standard_normal(8) + rng.standard_normal(60)
-        target /= np.linalg.norm(target)
-        expected = scipy.optimize.nnls(terms, target)[1] ** 2
-        assert _nonnegative_remainder(terms, target) == pytest.approx(expected, abs=1e-9)
