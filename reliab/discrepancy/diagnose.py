@@ -16,7 +16,7 @@ from reliab.discrepancy.blocks.balance import BalanceBlock, FrameBalanceBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
-from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
+from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.campaign.contradictions import require_consistent
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.fitting.error_search import ErrorSearch
@@ -88,7 +88,7 @@ def diagnose(campaign: Campaign | str | Path, *, progress: Progress = silent) ->
 
             advance()
             block = _block(kind, campaign, scales, motions, diagnoses)
-            diagnoses.append(_diagnose_block(block, campaign, advance))
+            diagnoses.append(_diagnose_block(block, advance))
             for step in steps:
                 progress(step, total_steps)
         progress(total_steps, total_steps)
@@ -134,28 +134,44 @@ def _block(
     if kind is LoopBlock:
         return LoopBlock(campaign, scales, motions)
     if kind is BalanceBlock:
-        return _align_force(BalanceBlock(campaign, scales), campaign, diagnoses)
+        return _align_force(BalanceBlock(campaign, scales), diagnoses)
     return ActuatorBlock(campaign, scales) if kind is ActuatorBlock else FrameBalanceBlock(campaign, scales)
 
 
 def _specimen(
     campaign: Campaign, scales: Scales, motions: tuple[Motion3, ...], actuator: BlockDiagnosis | None
 ) -> SpecimenBlock:
-    """Build the specimen's block under the motion of the piston that is known best."""
-    if actuator is None:
+    """Build the specimen's block under the motion of the piston that is known best.
+
+    That is what the actuator's best model says, and what the sensor saw beside it. What the model leaves
+    beyond noise is motion of the piston or, where the force is explained far better without it, an error of
+    the sensor. Of neither the specimen must be blamed.
+    """
+    if actuator is None or not isinstance(actuator.block, ActuatorBlock):
         return SpecimenBlock(campaign, scales, motions, is_smoothed=True)
-    model_pistons, sensor_pistons = _pistons(actuator)
-    if sensor_pistons is None:
-        return SpecimenBlock(campaign, scales, model_pistons)
-    sensor_block = SpecimenBlock(campaign, scales, sensor_pistons)
-    model_block = SpecimenBlock(campaign, scales, model_pistons, is_timed=False)
-    energies = [_linear_energy(block, campaign) for block in (model_block, sensor_block)]
-    return model_block if energies[0] < _LEAST_EXPLAINED * energies[1] else sensor_block
+    block, model = actuator.block, actuator.best.space.model(actuator.best.coordinates)
+    pistons = [block.piston(model, test) for test in range(len(block.tests))]
+    if actuator.leaves_noise:
+        return SpecimenBlock(campaign, scales, pistons)
+    sensor_pistons = []
+    for test, piston in enumerate(pistons):
+        error = block.measured(test) - block.predict(model, test)
+        motion = piston.values + smooth_motion(error, 1.0 / block.rate, block.highest_signal).values
+        sensor_pistons.append(Motion3(values=motion, step=piston.step))
+    blocks = (
+        SpecimenBlock(campaign, scales, pistons, is_timed=False),
+        SpecimenBlock(campaign, scales, sensor_pistons),
+    )
+    energies = []
+    for tried in blocks:  # that the best linear model leaves, whatever stiffness is stated
+        search = Search(_problem(tried.release_stiffness()))
+        plain, linear = replace(search.problem, tempering=(), powers=()), search.linear
+        rows = plain.whiten(linear.space, linear.coordinates, NoiseModel.white(tried.rate, 1.0))
+        energies.append(float(rows @ rows))
+    return blocks[0] if energies[0] < _LEAST_EXPLAINED * energies[1] else blocks[1]
 
 
-def _align_force(
-    block: BalanceBlock, campaign: Campaign, diagnoses: Sequence[BlockDiagnosis]
-) -> BalanceBlock:
+def _align_force(block: BalanceBlock, diagnoses: Sequence[BlockDiagnosis]) -> BalanceBlock:
     """Read the force as late as the specimen shows it to be, where that is more credible than one in time.
 
     A lag τ of the force beside the ground acceleration looks like a damping ratio larger by half of ω₀τ.
@@ -166,8 +182,9 @@ def _align_force(
     if not lag:
         return block
     late = block.read_late(lag)
-    searches = [Search(_problem(clock, campaign, campaign.training)) for clock in (block, late)]
-    punctual_score, late_score = (search.score(search.null) for search in searches)
+    punctual_score, late_score = (
+        search.score(search.null) for search in (Search(_problem(clock)) for clock in (block, late))
+    )
     return late if late_score > punctual_score else block
 
 
@@ -184,90 +201,60 @@ def _possible_lag(specimen: BlockDiagnosis) -> float:
     return lag_of(fits[0].space.model(fits[0].coordinates))
 
 
-def _pistons(actuator: BlockDiagnosis) -> tuple[list[Motion3], list[Motion3] | None]:
-    """Motion of the piston in every test: by the actuator's best model, and with what the sensor saw beside.
-
-    What the model leaves beyond noise is motion of the piston or, where the force is explained far better
-    without it, an error of the sensor. Of neither the specimen must be blamed. Where only noise is left,
-    there is no second motion.
-    """
-    block, best = actuator.block, actuator.best
-    if not isinstance(block, ActuatorBlock):
-        raise TypeError
-    model = best.space.model(best.coordinates)
-    model_pistons = [block.piston(model, test) for test in range(len(block.tests))]
-    if actuator.leaves_noise:
-        return model_pistons, None
-    residuals = [block.measured(test) - block.predict(model, test) for test in range(len(block.tests))]
-    step, highest = 1.0 / block.rate, block.highest_signal
-    sensor_pistons = [
-        Motion3(values=piston.values + smooth_motion(error, step, highest).values, step=piston.step)
-        for piston, error in zip(model_pistons, residuals, strict=True)
-    ]
-    return model_pistons, sensor_pistons
-
-
-def _linear_energy(block: SpecimenBlock, campaign: Campaign) -> float:
-    """Energy that the best linear model of a specimen leaves, whatever stiffness is stated."""
-    search = Search(_problem(block.release_stiffness(), campaign, campaign.training))
-    return _energy(search.linear, search)
-
-
-def _diagnose_block(block: ObservedBlock, campaign: Campaign, advance: Callable[[], None]) -> BlockDiagnosis:
+def _diagnose_block(block: ObservedBlock, advance: Callable[[], None]) -> BlockDiagnosis:
     """Search a block in at most `_STEPS` steps; `advance` is called after each."""
-    search = begin_search(block, campaign)
+    search = begin_search(block)
     advance()
     search_result: Search | None = None
     if not (isinstance(block, BalanceBlock) or search.reaches_noise()):
-        search_result = _search_by_parts(search, campaign)
+        search_result = _search_by_parts(search)
     if search_result is None or not is_model_error(
         *as_judged_by_noise(search_result.problem, search_result.best)
     ):
-        search_result = _search_by_noise(search, campaign, advance)
+        search_result = _search_by_noise(search, advance)
     search_result.sharpen()
     search_result.fit_beside_clocks()
-    return diagnose_block(search_result, _problem(search_result.problem.block, campaign, campaign.proof))
+    return diagnose_block(search_result, _problem(search_result.problem.block, is_proof=True))
 
 
-def _search_by_noise(search: Search, campaign: Campaign, advance: Callable[[], None]) -> Search:
-    """Search with noise as the judge, and with left-out parts where the best model leaves an error."""
-    block, search_result = search.problem.block, _run_search(search)
-    advance()
-    if isinstance(block, BalanceBlock):
-        search_result = _search_integration(block, campaign, search_result)
-    advance()
-    search_result = _choose_judge(search_result, campaign)
-    advance()
-    if isinstance(search_result, ErrorSearch):
-        return search_result
-    search_result.try_twins()
-    search_result.settle()  # rejects what does not matter, before and after special forms are tried
-    search_result.refine()
-    search_result.settle()
-    return _choose_judge(search_result, campaign)  # refinement may have uncovered an error of the model
-
-
-def begin_search(block: ObservedBlock, campaign: Campaign) -> Search:
+def begin_search(block: ObservedBlock) -> Search:
     """Calibrate a block: with a stiffness of any value where that is more credible than the stated one.
 
     What is stated is then contradicted, or in another unit. An effect that happens to bring the missing
     stiffness would otherwise make up for it.
     """
-    search = Search(_problem(block, campaign, campaign.training))
+    search = Search(_problem(block))
     is_contradicted = _STIFFNESS in search.null.space.find_bounds(search.null.coordinates)
     if not (is_contradicted and isinstance(block, SpecimenBlock | LoopBlock)):
         return search
-    open_search = Search(_problem(block.release_stiffness(), campaign, campaign.training))
+    open_search = Search(_problem(block.release_stiffness()))
     return open_search if open_search.score(open_search.null) > search.score(search.null) else search
 
 
-def _run_search(search: Search) -> Search:
-    """Search for what is missing, and again with the error of the converter that the best model expects."""
+def _search_by_noise(search: Search, advance: Callable[[], None]) -> Search:
+    """Search with noise as the judge, and with left-out parts where the best model leaves an error.
+
+    The search is repeated with the error of the converter that the best model expects.
+    """
+    block = search.problem.block
     search.run()
-    return search.rerun_converted()
+    search = search.rerun_converted()
+    advance()
+    if isinstance(block, BalanceBlock):
+        search = _search_integration(block, search)
+    advance()
+    search = _choose_judge(search)
+    advance()
+    if isinstance(search, ErrorSearch):
+        return search
+    search.try_twins()
+    search.settle()  # rejects what does not matter, before and after special forms are tried
+    search.refine()
+    search.settle()
+    return _choose_judge(search)  # refinement may have uncovered an error of the model
 
 
-def _choose_judge(search: Search, campaign: Campaign) -> Search:
+def _choose_judge(search: Search) -> Search:
     """Judge models by left-out parts where the best one leaves an error, else by noise as before.
 
     What an offset of the clocks beside the model would explain is no error of it.
@@ -275,12 +262,12 @@ def _choose_judge(search: Search, campaign: Campaign) -> Search:
     if isinstance(search, ErrorSearch):
         return search
     search.fit_beside_clocks()
-    late = search.with_clocks.get(frozenset({*search.best.space.names, str(ClockOffset.name)}), search.best)
+    late = search.with_clocks.get(search.best.space.key | {str(ClockOffset.name)}, search.best)
     errors = (is_model_error(search.problem, model) for model in (search.best, late))
-    return _search_by_parts(search, campaign) if all(errors) else search
+    return _search_by_parts(search) if all(errors) else search
 
 
-def _search_by_parts(search: Search, campaign: Campaign) -> ErrorSearch:
+def _search_by_parts(search: Search) -> ErrorSearch:
     """Search with left-out parts as the judge.
 
     Nothing that is stated of a specimen counts then: any part of it may be made up for by what the model
@@ -288,29 +275,21 @@ def _search_by_parts(search: Search, campaign: Campaign) -> ErrorSearch:
     """
     problem = search.problem
     if isinstance(problem.block, SpecimenBlock):
-        problem = _problem(problem.block.release_stiffness(), campaign, campaign.training)
+        problem = _problem(problem.block.release_stiffness())
     search_result = ErrorSearch(problem)
     search_result.run()
     return search_result
 
 
-def _problem(block: ObservedBlock, campaign: Campaign, stretches: Sequence[Stretch]) -> Problem:
-    """Return the stretches of a block that a model can predict, as segments."""
+def _problem(block: ObservedBlock, *, is_proof: bool = False) -> Problem:
+    """Return what is held out of the tests, or all else, as far as models of a block can predict it."""
+    stretches, motions = block.campaign.proof if is_proof else block.campaign.training, block.motions
+    predictable = skip_end(skip_transient(stretches, motions, block.memory), motions, block.answer_time)
     thinning = math.lcm(block.every, block.sketch.every)
-    predictable = skip_end(
-        skip_transient(stretches, block.motions, block.memory), block.motions, block.answer_time
-    )
-    return Problem(block=block, segments=cut_segments(predictable, campaign.rate, block.highest_of, thinning))
+    return Problem(block=block, segments=cut_segments(predictable, block.rate, block.highest_of, thinning))
 
 
-def _energy(fit: Fit, search: Search) -> float:
-    """Energy of what a model leaves at the judged frequencies, in the square of the channel's unit."""
-    plain = replace(search.problem, tempering=(), powers=())
-    rows = plain.whiten(fit.space, fit.coordinates, NoiseModel.white(plain.block.rate, 1.0))
-    return float(rows @ rows)
-
-
-def _search_integration(block: BalanceBlock, campaign: Campaign, search: Search) -> Search:
+def _search_integration(block: BalanceBlock, search: Search) -> Search:
     """Search where the command explains the force, if the integration errs.
 
     Frequencies at which it does not can spoil the first search, whose model then explains too few of the
@@ -319,7 +298,7 @@ def _search_integration(block: BalanceBlock, campaign: Campaign, search: Search)
     """
     if _is_slightly_late(search.best):
         block = block.fix_ground_clock()
-        search = search.move_to(_problem(block, campaign, campaign.training))
+        search = search.move_to(_problem(block))
     effects = search.best.space.effects
     if not any(effect.role is Role.INTEGRATION for effect in effects):
         return search
@@ -328,7 +307,7 @@ def _search_integration(block: BalanceBlock, campaign: Campaign, search: Search)
     wide = search.problem
     for _ in range(2):
         narrow = block.limit_band(highest_informed_frequency(wide, search.best))
-        search = search.move_to(_problem(narrow, campaign, campaign.training))
+        search = search.move_to(_problem(narrow))
     return search.rerun_converted()
 
 

@@ -184,17 +184,13 @@ def skip_end(
     `unanswered` [s].
     Returns the same parts; those that reach into this time end where it begins, unless they lie within it.
     """
-    sizes = [motion.values.shape[1] for motion in motions]
-    ends = [
-        size - min(round(unanswered / motion.step), int(_LARGEST_SHARE * size))
-        for size, motion in zip(sizes, motions, strict=True)
-    ]
-    return tuple(
-        replace(stretch, end=min(stretch.end, ends[stretch.test]))
-        if stretch.begin < ends[stretch.test]
-        else stretch
-        for stretch in stretches
-    )
+    stretches_left = []
+    for stretch in stretches:
+        motion = motions[stretch.test]
+        size = motion.values.shape[1]
+        end = size - min(round(unanswered / motion.step), int(_LARGEST_SHARE * size))
+        stretches_left.append(replace(stretch, end=min(stretch.end, end)) if stretch.begin < end else stretch)
+    return tuple(stretches_left)
 
 
 HIGHEST_SIGNAL = 45.0

@@ -104,7 +104,7 @@ def test_frequency_beyond_calibration_leaves_noise_with_a_free_stiffness(campaig
     recording = replace(recording, structure=replace(recording.structure, frequency=nominal))
     motions = motions_of(recording)
     block = LoopBlock(recording, scales_of(recording, motions), motions)
-    null = begin_search(block, recording).null
+    null = begin_search(block).null
     values = dict(
         zip([p.name for p in null.space.parameters], null.space.values(null.coordinates), strict=True)
     )

@@ -34,7 +34,8 @@ class ObservedBlock(ABC):
     channel: ClassVar[Channel]  # Its output
     inputs: ClassVar[tuple[Channel, ...]]  # What drives it
 
-    tests: tuple[MeasuredTest, ...]  # The tests of the campaign, held-out ones too
+    campaign: Campaign  # The campaign
+    tests: tuple[MeasuredTest, ...]  # Its tests, held-out ones too
     rate: float  # Sampling rate [Hz]
     every: int = 1  # Predictions are made at each `every`-th sample only
     scales: Scales  # Typical sizes of motion and force
@@ -56,7 +57,7 @@ class ObservedBlock(ABC):
     motions: tuple[Motion3, ...]
 
     def __init__(self, campaign: Campaign, scales: Scales) -> None:
-        self.tests = campaign.tests
+        self.campaign, self.tests = campaign, campaign.tests
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal

@@ -6,7 +6,7 @@ may answer another motion by another amount, but not with another sign, and not 
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 from typing import Final
 
 import numpy as np
@@ -31,21 +31,15 @@ _REMEDY: Final = (
     "is positive where the specimen resists a positive displacement"
 )
 _REMEDY_OF_SIZE: Final = f"{_REMEDY}; leave out a test whose loop diverged"
-_BINS_IN_BAND = (
-    4.0  # of the shortest test: a band is narrower than a resonance, and noise is not coherent in it
-)
+_BINS_IN_BAND = 4.0  # of the shortest test: narrower than a resonance; noise is not coherent in a band
 _COHERENT = 0.8
 _NOISY = 0.001  # of the command's RMS
-_MOTION_COHERENCE = (
-    0.3  # mean coherence of the upper half of the spectrum; that of noise is one over the stretches
-)
+_MOTION_COHERENCE = 0.3  # mean of the upper half of the spectrum; of noise it is one over the stretches
 _LONGEST_STRETCH, _FEWEST_STRETCHES = 512, 8  # samples of a spectrum, and how many are averaged
 _REST_SHARE = 0.1  # of the largest displacement
 _SHARED, _AGREEMENT = 0.3, 0.8  # of two tests' cross-spectra: how much they overlap, and agree where they do
 _STEEPEST = 2.0  # power of the frequency with which a rig answers
-_LARGEST_CHANGE = np.log(
-    30.0
-)  # of its gain: the specimen's setting and its amplitude may change from test to test
+_LARGEST_CHANGE = np.log(30.0)  # of its gain: setting and amplitude of a specimen may change
 
 
 def require_consistent(campaign: Campaign) -> tuple[str, ...]:
@@ -102,32 +96,27 @@ def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) 
 
 
 def _noise_of_commands(tests: Sequence[MeasuredTest]) -> Iterator[str]:
-    """Say in which tests the command holds noise, which a diagnosis takes for motion."""
-    shares = {test.file: share for test in tests if (share := _noise_of_command(test)) > _NOISY}
-    if shares:
-        sizes = ", ".join(f"{percent(share, decimals=2)} in {file}" for file, share in shares.items())
-        yield (
-            f"The recorded command holds noise ({sizes}, of its RMS). A command is taken as exact: a lag of "
-            "the actuator, an added mass or an error of the integration may be this noise. Record the "
-            "command as the controller computed it."
-        )
-
-
-def _noise_of_command(test: MeasuredTest) -> float:
-    """RMS of the noise of a command over that of the command, zero where it may be motion.
+    """Say in which tests the command holds noise, which a diagnosis takes for motion.
 
     What the rig follows at the highest frequencies is motion, as of a random command.
     """
-    command, reading = test.channels.get(Channel.COMMAND), test.channels.get(Channel.MEASURED)
-    if command is None or reading is None or not np.ptp(command) > 0.0:
-        return 0.0
-    share = float(np.sqrt(white_noise_share(command)))
-    if share <= _NOISY:
-        return 0.0
-    length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
-    frequency, coherence = scipy.signal.coherence(command, reading, nperseg=length)
-    is_followed = float(coherence[frequency > 0.5 * frequency[-1]].mean()) > _MOTION_COHERENCE
-    return 0.0 if is_followed else share
+    sizes = []
+    for test in tests:
+        command, reading = test.channels.get(Channel.COMMAND), test.channels.get(Channel.MEASURED)
+        if command is None or reading is None or not np.ptp(command) > 0.0:
+            continue
+        share = float(np.sqrt(white_noise_share(command)))
+        if share > _NOISY:
+            length = min(_LONGEST_STRETCH, command.size // _FEWEST_STRETCHES)
+            frequency, coherence = scipy.signal.coherence(command, reading, nperseg=length)
+            if coherence[frequency > 0.5 * frequency[-1]].mean() <= _MOTION_COHERENCE:
+                sizes.append(f"{percent(share, decimals=2)} in {test.file}")
+    if sizes:
+        yield (
+            f"The recorded command holds noise ({', '.join(sizes)}, of its RMS). A command is taken as "
+            "exact: a lag of the actuator, an added mass or an error of the integration may be this noise. "
+            "Record the command as the controller computed it."
+        )
 
 
 def _is_still(ground: Array, displacement: Array) -> bool:
@@ -154,29 +143,24 @@ class _TestSpectra:
         cls, test: MeasuredTest, channels: list[Channel], rate: float, width: float
     ) -> "_TestSpectra":
         """Transform the channels of a test, all of which move, into bands of a width [Hz]."""
-        centred_channels = {
-            channel: test.channels[channel] - test.channels[channel].mean() for channel in channels
-        }
-        scales = {channel: float(np.abs(values).max()) for channel, values in centred_channels.items()}
-        spectra = {
-            channel: np.fft.rfft(centred_channels[channel] / scales[channel])[1:] for channel in channels
-        }
         frequency = np.arange(1, test.size // 2 + 1) * rate / test.size
         band = (frequency / width).astype(np.intp)
-        powers = {channel: np.abs(spectrum) ** 2 for channel, spectrum in spectra.items()}
-        return cls(
-            file=test.file,
-            size={c: float(np.log(scales[c]) + 0.5 * np.log(powers[c].sum())) for c in channels},
-            frequency={c: float(np.log((frequency * powers[c]).sum() / powers[c].sum())) for c in channels},
-            crossed={
-                (a, b): _cross_spectrum(spectra[a], spectra[b], band) for a, b in combinations(channels, 2)
-            },
-        )
+        spectra, size, mean_frequency = {}, {}, {}
+        for channel in channels:
+            centred = test.channels[channel] - test.channels[channel].mean()
+            scale = float(np.abs(centred).max())
+            spectra[channel] = np.fft.rfft(centred / scale)[1:]
+            power = np.abs(spectra[channel]) ** 2
+            size[channel] = float(np.log(scale) + 0.5 * np.log(power.sum()))
+            mean_frequency[channel] = float(np.log((frequency * power).sum() / power.sum()))
+        pairs = combinations(channels, 2)
+        crossed = {(a, b): _cross_spectrum(spectra[a], spectra[b], band) for a, b in pairs}
+        return cls(file=test.file, size=size, frequency=mean_frequency, crossed=crossed)
 
 
 def _cross_spectrum(first: Spectrum, second: Spectrum, band: NDArray[np.intp]) -> Spectrum | None:
-    product = first.conj() * second
-    band_products = np.bincount(band, product.real) + 1j * np.bincount(band, product.imag)
+    crossed = first.conj() * second
+    band_products = np.bincount(band, crossed.real) + 1j * np.bincount(band, crossed.imag)
     powers = [np.bincount(band, np.abs(spectrum) ** 2) for spectrum in (first, second)]
     if np.abs(band_products).sum() < _COHERENT * np.sqrt(powers[0] * powers[1]).sum():
         return None
@@ -184,7 +168,7 @@ def _cross_spectrum(first: Spectrum, second: Spectrum, band: NDArray[np.intp]) -
 
 
 def _require_agreement(campaign: Campaign) -> None:
-    """Compare the tests with each other."""
+    """Compare the tests with each other: the one of most conflicts is refused, by its worst channel."""
     channels = sorted(campaign.channels)
     width = _BINS_IN_BAND * campaign.rate / min(test.size for test in campaign.tests)
     tests = [
@@ -192,29 +176,37 @@ def _require_agreement(campaign: Campaign) -> None:
         for test in campaign.tests
         if all(np.ptp(test.channels[channel]) > 0.0 for channel in channels)
     ]
-    pairs = list(combinations(channels, 2))
-    for rule, agrees, describe, remedy in (
-        ("The tests of a campaign must have the same signs", _same_sign, _describe_sign, _REMEDY),
-        ("The tests of a campaign must have the same units", _same_unit, _describe_unit, _REMEDY_OF_SIZE),
-    ):
-        votes = [
-            (test, pair, [agrees(test, rival, pair) for rival in tests if rival is not test])
-            for test in tests
-            for pair in pairs
+    for what, agrees, remedy in (("signs", _same_sign, _REMEDY), ("units", _same_unit, _REMEDY_OF_SIZE)):
+        conflicts: list[tuple[_TestSpectra, Pair]] = []
+        for test, pair in product(tests, combinations(channels, 2)):
+            votes = [agrees(test, rival, pair) for rival in tests if rival is not test]
+            if votes.count(False) > votes.count(True):
+                conflicts.append((test, pair))
+        if not conflicts:
+            continue
+        files = [test.file for test, _ in conflicts]
+        first = max(tests, key=lambda test: files.count(test.file))
+        blamed_pairs = [pair for test, pair in conflicts if test is first]
+        channel = max(channels, key=lambda name: sum(name in pair for pair in blamed_pairs))
+        other_channels = [
+            name for pair in blamed_pairs if channel in pair for name in pair if name != channel
         ]
-        conflicts = [(test, pair) for test, pair, vote in votes if vote.count(False) > vote.count(True)]
-        if conflicts:
-            files = [test.file for test, _ in conflicts]
-            first = max(tests, key=lambda test: files.count(test.file))
-            blamed_pairs = [pair for test, pair in conflicts if test is first]
-            channel = max(channels, key=lambda name: sum(name in pair for pair in blamed_pairs))
-            other_tests = [test for test in tests if test is not first]
-            raise InputError(
-                rule,
-                value=describe(first, other_tests, channel, blamed_pairs),
-                remedy=remedy,
-                where=first.file,
-            )
+        rivals = [test for test in tests if test is not first]
+        place = rivals[0].file if len(rivals) == 1 else ""
+        change = f"reversed against {place or 'most other tests'}"
+        if agrees is _same_unit:
+            gains = [
+                first.size[channel] - rival.size[channel] - first.size[name] + rival.size[name]
+                for name, rival in product(other_channels, rivals)
+            ]
+            gain = significant(np.exp(np.median(gains)))
+            change = f"{gain} times what it is in {place or 'the other tests'}"
+        raise InputError(
+            f"The tests of a campaign must have the same {what}",
+            value=f"{channel} {change}, relative to {', '.join(sorted(other_channels))}",
+            remedy=remedy,
+            where=first.file,
+        )
 
 
 def _same_sign(test: _TestSpectra, rival: _TestSpectra, pair: Pair) -> bool | None:
@@ -233,29 +225,3 @@ def _same_unit(test: _TestSpectra, rival: _TestSpectra, pair: Pair) -> bool:
     input_change, response_change = (test.size[channel] - rival.size[channel] for channel in pair)
     reach = _STEEPEST * abs(test.frequency[pair[0]] - rival.frequency[pair[0]])
     return bool(abs(response_change - input_change) < _LARGEST_CHANGE + reach)
-
-
-def _describe_sign(
-    _test: _TestSpectra, other_tests: list[_TestSpectra], channel: Channel, pairs: list[Pair]
-) -> str:
-    reference_channels = ", ".join(
-        sorted({name for pair in pairs if channel in pair for name in pair} - {channel})
-    )
-    opposition = f"against {other_tests[0].file}" if len(other_tests) == 1 else "against most other tests"
-    return f"{channel} reversed {opposition}, relative to {reference_channels}"
-
-
-def _describe_unit(
-    test: _TestSpectra, other_tests: list[_TestSpectra], channel: Channel, pairs: list[Pair]
-) -> str:
-    reference_channels = [
-        next(name for name in pair if name is not channel) for pair in pairs if channel in pair
-    ]
-    gains = [
-        test.size[channel] - rival.size[channel] - test.size[name] + rival.size[name]
-        for name in reference_channels
-        for rival in other_tests
-    ]
-    comparison = f"in {other_tests[0].file}" if len(other_tests) == 1 else "in the other tests"
-    gain = significant(np.exp(np.median(gains)))
-    return f"{channel} {gain} times what it is {comparison}, relative to {', '.join(reference_channels)}"

@@ -40,7 +40,7 @@ from reliab.core.untrusted_files import resolve_within
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.recordings.channels_file import ChannelTables, read_declarations
 from reliab.recordings.reading import ChannelHistories, histories_of, read_test
-from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Part, StatedChannels
+from reliab.recordings.recording import FEWEST_SAMPLES, Part, StatedChannels
 from reliab.simulation.frames.frame_file import frame_of_tables, require_one_actuator
 from reliab.simulation.hybrid_test.model_file import ActuatorTable, ModelPart, SpecimenTable, StructureTable
 from reliab.structures.partition import Partition
@@ -67,55 +67,35 @@ def read_channels(
     `rate` [Hz]; `test` names one of several in the file.
     """
     histories = histories_of(read_test(path, test or None), channel_statements, needed_parts=())
-    source_place = histories.columns.location
     channels = {_CHANNELS[key]: values for key, values in histories.values.items() if key in _CHANNELS}
-    _require_units(histories)
-    if not channels:
-        raise InputError(
-            "A test of a campaign must hold channels of one actuator",
-            value=", ".join(histories.channels),
-            remedy="Name its columns under [channels] in campaign.toml",
-            where=source_place,
-        )
-    for channel, values in channels.items():
-        _require_numbers(values, channel, source_place)
-    if abs(histories.time_step * rate - 1.0) > _RATE_TOLERANCE:
-        raise InputError(
-            "The times must agree with rate_hz of campaign.toml",
-            value=f"{1.0 / histories.time_step:.6g} Hz against {rate:g} Hz",
-            remedy="Correct rate_hz, or state the unit of the times",
-            where=source_place,
-        )
+    fault = _fault(histories, channels, rate)
+    if fault is not None:
+        rule, value, remedy = fault
+        raise InputError(rule, value=value, remedy=remedy, where=histories.columns.location)
     return channels, histories.notes
 
 
-def _require_units(histories: ChannelHistories) -> None:
+def _fault(
+    histories: ChannelHistories, channels: Mapping[Channel, NDArray[np.float64]], rate: float
+) -> tuple[str, object, str] | None:
+    """Rule that the channels of a test break, the value that breaks it, and the remedy."""
     for key, channel in histories.channels.items():
         if key in _CHANNELS and not channel.unit:
-            raise InputError(
-                "A channel of a campaign must state its unit",
-                value=repr(channel.column),
-                remedy=f"Name it {_CHANNELS[key]}, or state its unit under [channels] in campaign.toml",
-                where=histories.columns.location,
-            )
-
-
-def _require_numbers(values: NDArray[np.float64], channel: Channel, place: str) -> None:
-    if values.size < FEWEST_SAMPLES:
-        raise InputError(
-            f"A test must have at least {FEWEST_SAMPLES} samples",
-            value=values.size,
-            remedy="Leave it out, or record longer",
-            where=place,
-        )
-    wrong = np.flatnonzero(~(np.abs(values) < LARGEST_READING))
-    if wrong.size:
-        raise InputError(
-            f"Every value must be a finite number below {LARGEST_READING:g}",
-            value=f"{values[wrong[0]]:g} in {channel}, sample {wrong[0] + 1}",
-            remedy="Repair the recording",
-            where=place,
-        )
+            remedy = f"Name it {_CHANNELS[key]}, or state its unit under [channels] in campaign.toml"
+            return "A channel of a campaign must state its unit", repr(channel.column), remedy
+    if not channels:
+        remedy = "Name its columns under [channels] in campaign.toml"
+        found = ", ".join(histories.channels)
+        return "A test of a campaign must hold channels of one actuator", found, remedy
+    size = min(values.size for values in channels.values())
+    if size < FEWEST_SAMPLES:
+        rule = f"A test must have at least {FEWEST_SAMPLES} samples"
+        return rule, size, "Leave it out, or record longer"
+    if abs(histories.time_step * rate - 1.0) > _RATE_TOLERANCE:
+        rates = f"{1.0 / histories.time_step:.6g} Hz against {rate:g} Hz"
+        remedy = "Correct rate_hz, or state the unit of the times"
+        return "The times must agree with rate_hz of campaign.toml", rates, remedy
+    return None
 
 
 def campaign_folder(folder: Path | str) -> Path:
@@ -215,7 +195,9 @@ def read_campaign(folder: Path | str) -> Campaign:
     folder = campaign_folder(folder)
     description = _read_description(resolve_within(folder, CAMPAIGN_FILE, where=str(folder)))
     _check_files(folder, description.tests)
-    held_out = _flag_held_out(description.tests)
+    # Those that are marked, else the last one; of a single test only a third is held out.
+    marked = [test.held_out for test in description.tests]
+    held_out = marked if any(marked) and len(marked) > 1 else [False] * (len(marked) - 1) + [len(marked) > 1]
     rate = description.sampling.rate_hz
     channel_statements = StatedChannels(declarations=read_declarations(description.channels), rate_hz=rate)
     tests, samples = [], 0
@@ -225,19 +207,25 @@ def read_campaign(folder: Path | str) -> Campaign:
             MeasuredTest(file=test.name, motion=test.motion, held_out=out, channels=channels, notes=notes)
         )
         samples += tests[-1].size
-        _require_few_samples(samples, len(tests), len(description.tests))
-    return _campaign(description, tuple(tests), folder)
-
-
-def _require_few_samples(samples: int, read: int, tests: int) -> None:
-    """Refuse a campaign that would fill the memory, as soon as that is known."""
-    if samples > MOST_SAMPLES:
-        raise InputError(
-            f"The tests of a campaign may have {MOST_SAMPLES:,} samples together at most",
-            value=f"{samples:,} in the first {read} of {tests} tests",
-            remedy="Resample them, keep the strong part of each, or name fewer tests",
-            where=CAMPAIGN_FILE,
-        )
+        if samples > MOST_SAMPLES:  # refused as soon as it is known, before it fills the memory
+            raise InputError(
+                f"The tests of a campaign may have {MOST_SAMPLES:,} samples together at most",
+                value=f"{samples:,} in the first {len(tests)} of {len(description.tests)} tests",
+                remedy="Resample them, keep the strong part of each, or name fewer tests",
+                where=CAMPAIGN_FILE,
+            )
+    structure, actuator, specimen = description.structure, description.actuator, description.specimen
+    one_mode = structure if isinstance(structure, StructureTable) else None
+    return Campaign(
+        name=description.name or folder.name,
+        structure=None if one_mode is None else one_mode.build(),
+        mass=(one_mode.mass_kg if one_mode else None) or 1.0,
+        actuator=None if actuator is None else actuator.build(),
+        specimen=None if specimen is None else specimen.build(),
+        rate=rate,
+        tests=tuple(tests),
+        partition=_as_partition(structure, description) if isinstance(structure, FrameTables) else None,
+    )
 
 
 def _check_files(folder: Path, tests: list[TestTable]) -> None:
@@ -253,29 +241,6 @@ def _check_files(folder: Path, tests: list[TestTable]) -> None:
                 remedy="Remove the second one, or correct its name",
                 where=f"{CAMPAIGN_FILE}, test {place}",
             )
-
-
-def _flag_held_out(tests: list[TestTable]) -> list[bool]:
-    """Which tests are held out: those marked, else the last; of a single test only its end is held out."""
-    marked = [test.held_out for test in tests]
-    if len(tests) == 1:
-        return [False]
-    return marked if any(marked) else [*marked[:-1], True]
-
-
-def _campaign(description: CampaignDescription, tests: tuple[MeasuredTest, ...], folder: Path) -> Campaign:
-    structure, actuator, specimen = description.structure, description.actuator, description.specimen
-    one_mode = structure if isinstance(structure, StructureTable) else None
-    return Campaign(
-        name=description.name or folder.name,
-        structure=None if one_mode is None else one_mode.build(),
-        mass=(one_mode.mass_kg if one_mode else None) or 1.0,
-        actuator=None if actuator is None else actuator.build(),
-        specimen=None if specimen is None else specimen.build(),
-        rate=description.sampling.rate_hz,
-        tests=tests,
-        partition=_as_partition(structure, description) if isinstance(structure, FrameTables) else None,
-    )
 
 
 def _as_partition(table: FrameTables, description: CampaignDescription) -> Partition:
@@ -306,41 +271,31 @@ def _read_description(path: Path) -> CampaignDescription:
         f"Name a folder that holds {CAMPAIGN_FILE} and its tests, or rig_a, which comes with reliab",
     )
     text = read_description(path, rule=rule, remedy=remedy)
+    content = parse_toml(text, rule=rule, remedy=remedy, where=str(path))
     try:
-        return CampaignDescription.model_validate(parse_toml(text, rule=rule, remedy=remedy, where=str(path)))
+        return CampaignDescription.model_validate(content)
     except ValidationError as error:
-        raise _explain(error, text, path) from error
-
-
-def _explain(error: ValidationError, text: str, path: Path) -> InputError:
-    """Say what is wrong, with the line of the first fault."""
-    first = error.errors()[0]
-    line = _line_of(text, keys_of(first["loc"]))
-    rule = "A campaign must be described by known keys with allowed values"
-    return InputError(
-        "A campaign must have at least one test" if first["type"] == "too_short" else rule,
-        value=faults_in_words(error),
-        remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
-        where=f"{path.name}, line {line}" if line else path.name,
-    )
+        first = error.errors()[0]
+        line = _line_of(text, keys_of(first["loc"]))
+        rule = "A campaign must be described by known keys with allowed values"
+        raise InputError(
+            "A campaign must have at least one test" if first["type"] == "too_short" else rule,
+            value=faults_in_words(error),
+            remedy="Compare with datasets/campaigns/README.md, which `reliab samples` writes",
+            where=f"{path.name}, line {line}" if line else path.name,
+        ) from error
 
 
 def _line_of(text: str, location: list[str]) -> int | None:
     """Line of a key, as far as it follows from its name and the order of its table."""
     names = [key for key in location if not key.isdigit()]
-    counts = [int(key) for key in location if key.isdigit()]
     if not names:
         return None
-    lines = text.splitlines()
-    begin = 0
+    lines, begin = text.splitlines(), 0
     if len(names) > 1:
-        tables = [
-            k for k, line in enumerate(lines) if re.match(rf"\s*\[+\s*{re.escape(names[0])}\s*\]+", line)
-        ]
-        place = counts[0] if counts else 0
-        begin = tables[place] if place < len(tables) else 0
-    pattern = re.compile(rf"\s*\[*\s*{re.escape(names[-1])}\b")
-    for k in range(begin, len(lines)):
-        if pattern.match(lines[k]):
-            return k + 1
-    return begin + 1 if begin else None
+        heading = re.compile(rf"\s*\[+\s*{re.escape(names[0])}\s*\]+")
+        tables = [number for number, line in enumerate(lines) if heading.match(line)]
+        begin = dict(enumerate(tables)).get(next((int(key) for key in location if key.isdigit()), 0), 0)
+    key = re.compile(rf"\s*\[*\s*{re.escape(names[-1])}\b")
+    matches = (number for number in range(begin, len(lines)) if key.match(lines[number]))
+    return next(matches, begin or -1) + 1 or None
