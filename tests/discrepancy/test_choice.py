@@ -9,7 +9,7 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming import choice
-from reliab.discrepancy.naming.choice import best_rival, choose, find_sustained, probability, remarks_on
+from reliab.discrepancy.naming.choice import Ranking, choose, find_sustained, remarks_on
 from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
@@ -49,8 +49,8 @@ class KnownErrors(KnownFits, ErrorSearch):
 @pytest.fixture
 def selection(monkeypatch):
     """Function that chooses among rows."""
-    monkeypatch.setattr(choice, "_is_silent", lambda *_: False)
-    return lambda *rows: choose(KnownErrors(rows), rows, None)
+    monkeypatch.setattr(Ranking, "is_silent", lambda *_: False)
+    return lambda *rows: choose(Ranking(search=KnownErrors(rows), rows=rows, proof=None))
 
 
 def test_contradicted_model_gives_way_to_its_rival(selection):
@@ -187,15 +187,15 @@ def test_term_without_gain_on_held_out_tests_or_on_left_out_parts_is_in_no_model
 @pytest.mark.parametrize("leaves_noise", [True, False])
 def test_minor_effect_has_no_name_where_noise_judges_and_is_not_left(monkeypatch, leaves_noise):
     monkeypatch.setattr(choice, "is_noise", lambda *_: leaves_noise)
-    monkeypatch.setattr(choice, "_is_silent", lambda *_: False)
+    monkeypatch.setattr(Ranking, "is_silent", lambda *_: False)
     rows = (
         row(HYSTERESIS, CUBIC, share=0.99, held_out=0.20),
         row(HYSTERESIS, left_out=0.25, held_out=0.25),
         row(CUBIC, left_out=0.8, held_out=0.8),
         CALIBRATION,
     )
-    search = KnownFits(rows)
-    assert choose(search, rows, None).sure == ({HYSTERESIS, CUBIC} if leaves_noise else {HYSTERESIS})
+    ranking = Ranking(search=KnownFits(rows), rows=rows, proof=None)
+    assert choose(ranking).sure == ({HYSTERESIS, CUBIC} if leaves_noise else {HYSTERESIS})
 
 
 @pytest.mark.parametrize(("with_cubic", "is_named"), [(0.298, False), (0.290, True)])
@@ -239,9 +239,9 @@ def test_fitted_tests_decide_where_held_out_ones_could_not_show_an_effect(
     larger, smaller = row(CUBIC, left_out=0.1, held_out=1.0), row(left_out=0.2, held_out=1.0)
     monkeypatch.setattr(choice, "compute_nrmse", lambda _, values: values[0])
     proof = SimpleNamespace(rows=rows, residuals=lambda fit: {0: change * (fit is smaller.fit)})
-    judgement = search((larger, smaller))
-    assert choice._is_silent(judgement, larger, smaller, proof) is silent  # noqa: SLF001
-    assert not choice._is_silent(judgement, larger, larger, proof)  # noqa: SLF001 - nor do the fitted ones
+    ranking = Ranking(search=search((larger, smaller)), rows=(larger, smaller), proof=proof)
+    assert ranking.is_silent(larger, smaller) is silent
+    assert not ranking.is_silent(larger, larger)  # nor do the fitted ones
 
 
 @pytest.mark.parametrize(("held_out", "left_out"), [(0.15, 0.08), (0.13, 0.09), (0.13, 0.08)])
@@ -256,19 +256,22 @@ def test_term_takes_the_place_of_an_effect_if_it_explains_more_than_it_leaves(se
 
 def test_special_forms_of_an_effect_share_its_probability():
     rows = (row(DEGRADING, share=0.5), row(HYSTERESIS, share=0.4), row(POWER, share=0.1))
-    assert probability(rows, DEGRADING) == pytest.approx(0.9)
-    assert probability(rows, POWER) == pytest.approx(0.1)
+    ranking = Ranking(search=None, rows=rows, proof=None)
+    assert ranking.probability(DEGRADING) == pytest.approx(0.9)
+    assert ranking.probability(POWER) == pytest.approx(0.1)
 
 
 def test_best_rival_lacks_one_of_the_effects():
     both, single = row(HYSTERESIS, CUBIC, held_out=0.1), row(HYSTERESIS, held_out=0.3)
     larger = row(HYSTERESIS, CUBIC, POWER, held_out=0.05)
-    assert best_rival((larger, both, single, CALIBRATION), (HYSTERESIS, CUBIC)) is single
+    ranking = Ranking(search=None, rows=(larger, both, single, CALIBRATION), proof=None)
+    assert ranking.find_rival((HYSTERESIS, CUBIC)) is single
 
 
 def test_best_rival_holds_no_other_form_of_the_effect():
     degrading, power = row(DEGRADING, held_out=0.1), row(POWER, held_out=0.3)
-    assert best_rival((degrading, power), (HYSTERESIS,)) is power
+    ranking = Ranking(search=None, rows=(degrading, power), proof=None)
+    assert ranking.find_rival((HYSTERESIS,)) is power
 
 
 def test_refinement_holds_a_named_effect_at_one_place(selection):

@@ -8,13 +8,8 @@ import pytest
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
-from reliab.discrepancy.naming.choice import (
-    _clock_models,
-    _place_effects,
-    _shares_of_parts,
-    _shares_of_scores,
-    _split_by_certainty,
-)
+from reliab.discrepancy.naming.choice import Ranking, _clock_models, _shares_of_parts, _shares_of_scores
+from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.registry import find_effect
 
@@ -148,15 +143,14 @@ def test_an_offset_of_the_clocks_costs_nothing_beside_an_effect():
 
 
 def row_of(probability, *effects):
-    return SimpleNamespace(
-        fit=SimpleNamespace(space=SimpleNamespace(effects=effects)), probability=probability
-    )
+    fit = SimpleNamespace(space=SimpleNamespace(effects=effects))
+    return RankedModel(fit=fit, probability=probability, left_out=0.1, held_out=0.1)
 
 
 @pytest.mark.parametrize(("single", "is_doubted"), [(0.6, False), (0.4, True)])
 def test_an_offset_of_the_clocks_is_doubtful_where_it_is_more_probable_than_none(single, is_doubted):
-    ranking = [row_of(1.0 - single, STROKE, ClockOffset), row_of(single, STROKE), row_of(0.0)]
-    best, sure, doubtful = _split_by_certainty(None, ranking, ranking[0])
+    rows = row_of(1.0 - single, STROKE, ClockOffset), row_of(single, STROKE), row_of(0.0)
+    best, sure, doubtful = Ranking(search=None, rows=rows, proof=None).split_by_certainty(rows[0])
     assert sure == {STROKE}
     assert doubtful == ({ClockOffset} if is_doubted else set())
     assert set(best.fit.space.effects) == sure | doubtful
@@ -185,7 +179,7 @@ def test_all_tests_tell_where_a_limit_acts_if_left_out_ones_do_not(monkeypatch, 
         "reliab.discrepancy.naming.choice.errors_of_parts", lambda _proof, fit: errors_by_model[id(fit)]
     )
     monkeypatch.setattr("reliab.discrepancy.naming.choice.compute_nrmse", lambda _proof, _fit: 0.0)
-    choice = _place_effects(
-        search, SimpleNamespace(fit=stroke_fit), SimpleNamespace(residuals=lambda fit: fit)
-    )
-    assert choice.fit.space.effects == (place,)
+    proof = SimpleNamespace(residuals=lambda fit: fit)
+    best = RankedModel(fit=stroke_fit, probability=0.5, left_out=0.1, held_out=0.1)
+    ranking = Ranking(search=search, rows=(), proof=proof)
+    assert ranking.place_effects(best).effects == (place,)

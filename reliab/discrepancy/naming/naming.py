@@ -1,6 +1,5 @@
 """From all fitted models of a block to the names that the data support, by how probable each is."""
 
-from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -27,21 +26,17 @@ from reliab.discrepancy.locate import LEAST_PROBABILITY, Finding, locate
 from reliab.discrepancy.naming.choice import (
     SURE,
     Choice,
-    best_rival,
+    Ranking,
     choose,
     explains_more_than_left,
     names_of,
-    probability,
-    ranking,
     remarks_on,
-    row_of,
 )
 from reliab.discrepancy.naming.unexplained import find_unexplained
-from reliab.discrepancy.proof import compute_nrmse, gap
+from reliab.discrepancy.proof import gap
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis, RankedModel
 from reliab.discrepancy.result.gap import FurtherError, Gap
 from reliab.discrepancy.result.missing_effect import (
-    Estimate,
     MissingEffect,
     Rival,
     Unknown,
@@ -69,45 +64,48 @@ _SMALLEST_OFFSET = 2e-3  # of the channel's RMS
 
 def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     """Draw the conclusions from the search of a block."""
-    ranked = ranking(search, proof)
-    choice = choose(search, ranked, proof)
+    ranking, problem = Ranking.from_search(search, proof), search.problem
+    choice = choose(ranking)
     best = choice.best.fit
     # Another damping than the stated one is a contradiction of what is stated, and no effect.
     restatements = frozenset({StatedDamping}) & choice.sure
     calibrated_model = search.fitted.get(frozenset(str(kind.name) for kind in restatements), search.null)
-    noise_judgement = as_judged_by_noise(search.problem, best)
-    noise, structure = is_noise(*noise_judgement), share_structured(*noise_judgement)
-    naming = _Naming(search=search, ranked=ranked, choice=choice, proof=proof, structured=structure)
+    judgement = as_judged_by_noise(problem, best)
+    noise, structure = is_noise(*judgement), share_structured(*judgement)
+    naming = _Naming(ranking=ranking, choice=choice, structured=structure)
     effects, doubtful, uncertain = naming.state_effects()
     offsets = [effect.effect for effect in effects if effect.effect in best.space.block.offsets]
     residuals_before = proof.residuals(calibrate_plainly(search, calibrated_model).neutralise(offsets))
     residuals_after = proof.residuals(best)
-    measured_gap = gap(proof, residuals_before, residuals_after, noise_like_tests(proof, noise_judgement[1]))
+    measured_gap = gap(proof, residuals_before, residuals_after, noise_like_tests(proof, judgement[1]))
     missing = bool(set(best.space.effects) - restatements or offsets)
     proof_gap = naming.compare_with_others(replace(measured_gap, missing=missing))
-    is_named = bool(effects) and (isinstance(search, ErrorSearch) or not doubtful)
-    unknown = naming.unknown(noise_judgement, proof_gap, is_named=is_named, is_noise=noise)
+    unknown = naming.state_unknown(judgement, proof_gap, is_named=bool(effects), is_doubted=bool(doubtful))
+    linear = search.linear if search.linear.space.effects else None
+    as_recorded = search.error(best)
+    if problem.conversion:  # with all that the converter adds, as a further test has it
+        as_recorded = leave_out(replace(problem, conversion={}), best)
     return BlockDiagnosis(
-        problem=search.problem,
+        problem=problem,
         proof=proof,
         calibrated=calibrated_model,
-        ranked=ranked,
+        ranked=ranking.rows,
         effects=effects,
         doubtful=doubtful,
         uncertain_offsets=uncertain,
         unknown=unknown,
-        findings=_locate_residual(search.problem, calibrated_model, noise_judgement),
+        findings=_locate_residual(problem, calibrated_model, judgement),
         residuals_before={proof.block.tests[test].file: values for test, values in residuals_before.items()},
         residuals_after={proof.block.tests[test].file: values for test, values in residuals_after.items()},
         gap=replace(proof_gap, missing=bool(proof_gap.missing or unknown)),
         structured_share=structure,
         leaves_noise=noise,
         calibration=calibration(best, is_restated=bool(restatements)),
-        further=predict_error(naming.errors_as_recorded),
+        further=predict_error(as_recorded),
         believed=choice.best,
         rejected=naming.rejected,
         choice_remarks=tuple(remarks_on(choice)),
-        linear=naming.linear,
+        linear=() if linear is None else calibration(linear, with_effects=True),
         refining=tuple(choice.refining),
     )
 
@@ -120,10 +118,10 @@ def calibrate_plainly(search: Search, calibrated_model: Fit) -> Fit:
 
 
 def _locate_residual(
-    problem: Problem, fitted_model: Fit, noise_judgement: tuple[Problem, Fit]
+    problem: Problem, fitted_model: Fit, judgement: tuple[Problem, Fit]
 ) -> tuple[Finding, ...]:
     """Find what the residual of a model varies with, as noise judges it."""
-    plain, best = noise_judgement
+    plain, best = judgement
     factors = np.sqrt(problem.densities(fitted_model.noise) / plain.densities(best.noise))
     whitened_fit = replace(fitted_model, jacobian=factors[:, np.newaxis] * fitted_model.jacobian)
     return locate(plain, whitened_fit, best.noise)
@@ -139,23 +137,21 @@ class OffsetRival(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Naming:
-    """What is needed to state effects: all models, the believed one, and the held-out tests."""
+    """What is needed to state effects: all models, and the believed one."""
 
-    search: Search
-    ranked: Sequence[RankedModel]
+    ranking: Ranking
     choice: Choice
-    proof: Problem
     structured: float  # Share of what is left that is no noise
+
+    @property
+    def search(self) -> Search:
+        """The search."""
+        return self.ranking.search
 
     @property
     def best(self) -> Fit:
         """The believed model."""
         return self.choice.best.fit
-
-    @property
-    def plain(self) -> Fit:
-        """The model from which effects have their names."""
-        return self.choice.plain.fit
 
     @property
     def kinds(self) -> list[type[Effect]]:
@@ -165,69 +161,53 @@ class _Naming:
     @property
     def rejected(self) -> tuple[RankedModel, ...]:
         """Models of one effect, which does not matter, unless they leave more than the signal."""
-        linear = self.search.problem.block.linear
         models = self.search.rejected.values()
-        single = (model for model in models if len(set(model.space.effects).difference(linear)) == 1)
-        rows = (row_of(self.search, model, self.proof) for model in single)
+        single = (model for model in models if len(set(model.space.effects) - self.ranking.linear) == 1)
+        rows = map(self.ranking.row_of, single)
         return tuple(row for row in rows if max(row.left_out, row.held_out) <= 1.0)
 
     def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""
         linear = self.search.linear
-        rival = best_rival(self.ranked, self.kinds or self.best.space.effects)
-        error = self._error(linear) if linear.space.effects else measured_gap.before
+        rival = self.ranking.find_rival(self.kinds or self.best.space.effects)
+        error = self.ranking.error(linear) if linear.space.effects else measured_gap.before
         if rival is None:
             return replace(measured_gap, linear=error)
         return replace(measured_gap, linear=error, rival=rival.held_out, rival_effects=rival.names)
 
-    def unknown(
-        self, noise_judgement: tuple[Problem, Fit], proof_gap: Gap, *, is_named: bool, is_noise: bool
+    def state_unknown(
+        self, judgement: tuple[Problem, Fit], proof_gap: Gap, *, is_named: bool, is_doubted: bool
     ) -> Unknown | None:
         """State what no effect of the library explains, beyond terms that only refine a model."""
-        row, models = min(self.ranked, key=lambda row: row.held_out), counted(len(self.ranked), "model")
-        comparison = f"of {models} that were tried the best ({names_of(row)}) leaves {percent(row.held_out)}"
+        rows = self.ranking.rows
+        closest = min(rows, key=lambda row: row.held_out)
         return find_unexplained(
-            noise_judgement,
+            judgement,
             self.best,
             [kind for kind in self.kinds if issubclass(kind, GeneralTerm)],
             proof_gap,
-            None if is_noise else _locate_residual(self.search.problem, self.best, noise_judgement),
-            is_named=is_named,
-            comparison=comparison,
+            None if is_noise(*judgement) else _locate_residual(self.search.problem, self.best, judgement),
+            is_named=is_named and (self.ranking.by_parts or not is_doubted),
+            comparison=f"of {counted(len(rows), 'model')} that were tried the best ({names_of(closest)}) "
+            f"leaves {percent(closest.held_out)}",
         )
-
-    @property
-    def linear(self) -> tuple[Estimate, ...]:
-        """Parameters of the best linear model of a block that has one of its own."""
-        linear = self.search.linear
-        effects = [item for effect in linear.space.effects for item in estimates(effect, linear)]
-        return (*calibration(linear), *effects) if effects else ()
-
-    @property
-    def errors_as_recorded(self) -> LeftOut:
-        """Errors on left-out tests with all that the converter adds, as a further test has it."""
-        if not self.search.problem.conversion:
-            return self.search.error(self.best)
-        return leave_out(replace(self.search.problem, conversion={}), self.best)
 
     def state_effects(self) -> tuple[tuple[MissingEffect, ...], ...]:
         """State effects: those that are named, those of which one acts, and uncertain offsets.
 
         An offset is uncertain if another effect may stand in its place.
         """
-        named_effects: list[MissingEffect] = []
-        doubtful_effects: list[MissingEffect] = []
-        for kind in (kind for kind in self.kinds if not is_general(kind)):
-            if kind in self.choice.sure - {StatedDamping}:
-                for effect in self._members(kind):
-                    (named_effects if effect.probability >= SURE else doubtful_effects).append(effect)
-        for kind in (kind for kind in self.kinds if not is_general(kind) and kind in self.choice.doubtful):
-            doubtful_effects += self._members(kind)
+        known_kinds = [kind for kind in self.kinds if not is_general(kind)]
+        sure = (kind for kind in known_kinds if kind in self.choice.sure - {StatedDamping})
+        doubtful = (kind for kind in known_kinds if kind in self.choice.doubtful)
+        effects = [effect for kind in sure for effect in self._members(kind)]
         shifts = [self._offset(kind) for kind in self.best.space.block.offsets if self._is_offset(kind)]
-        named_effects += [shift for shift in shifts if shift.probability >= SURE]
         return (
-            tuple(named_effects),
-            tuple(doubtful_effects),
+            tuple(effect for effect in (*effects, *shifts) if effect.probability >= SURE),
+            (
+                *(effect for effect in effects if effect.probability < SURE),
+                *(effect for kind in doubtful for effect in self._members(kind)),
+            ),
             tuple(shift for shift in shifts if shift.probability < SURE),
         )
 
@@ -238,24 +218,22 @@ class _Naming:
         explains more than the whole leaves.
         """
         first, *other_members = self._missing(effect).split_members
-        simple = effect.refines
+        simple, plain = effect.refines, self.choice.plain
         if simple is None:
             return (first,)
-        simple_error = self._error(self.search.exchange(self.plain, effect, simple))
-        if isinstance(self.search, ErrorSearch) and not explains_more_than_left(
-            simple_error, self._error(self.plain)
-        ):
+        simple_error = self.ranking.error(self.search.exchange(plain.fit, effect, simple))
+        if self.ranking.by_parts and not explains_more_than_left(simple_error, plain.held_out):
             return (first if other_members or simple.label() == effect.label() else first.report_as(simple),)
         return (first, *(replace(member, error_without=simple_error) for member in other_members))
 
     def _missing(self, effect: type[Effect]) -> MissingEffect:
         """State an effect of the library."""
-        smaller = self.search.remove_effect(self.best, effect)
-        missing = self._describe(effect, probability(self.ranked, effect), smaller, self._rivals(effect))
+        smaller = self.ranking.error(self.search.remove_effect(self.best, effect))
+        missing = self._describe(effect, self.ranking.probability(effect), smaller, self._rivals(effect))
         variants = [
             (row.probability, estimates(effect, row.fit))
-            for row in self.ranked
-            if effect in row.fit.space.effects and row.probability > _LEAST_PROBABLE
+            for row in self.ranking.rows
+            if effect in row.effects and row.probability > _LEAST_PROBABLE
         ]
         if variants:
             missing = replace(missing, estimates=widen_estimates(missing.estimates, variants))
@@ -268,33 +246,38 @@ class _Naming:
         decide where it acts, and no probability is stated of that. Linear effects, which every model of an
         error may hold, make no other model of it.
         """
-        linear = set(self.search.problem.block.linear if isinstance(self.search, ErrorSearch) else ())
-        other_effects = set(self.plain.space.effects) - {effect}
+        linear = self.ranking.linear if self.ranking.by_parts else set()
+        other_effects = set(self.choice.plain.effects) - {effect}
         rows_by_name: dict[str, list[RankedModel]] = {}
-        for row in self.ranked:
-            effects = set(row.fit.space.effects)
-            added_effects = effects - other_effects - (linear - {effect})
+        for row in self.ranking.rows:
+            added_effects = set(row.effects) - other_effects - (linear - {effect})
             names = {rival.label() for rival in added_effects}
-            if other_effects - linear <= effects and len(added_effects) == 1 and names != {effect.label()}:
+            is_complete = other_effects - linear <= set(row.effects)
+            if is_complete and len(added_effects) == 1 and names != {effect.label()}:
                 rows_by_name.setdefault(names.pop(), []).append(row)
-        rivals = [
-            self._rival(name, sum(row.probability for row in rows), rows[0].fit)
-            for name, rows in rows_by_name.items()
-        ]
-        return tuple(rivals[:_RIVALS])
+        return tuple(
+            Rival(
+                name=name,
+                probability=sum(row.probability for row in rows),
+                held_out_nrmse=rows[0].held_out,
+            )
+            for name, rows in list(rows_by_name.items())[:_RIVALS]
+        )
 
     def _offset(self, effect: type[Effect]) -> MissingEffect:
         """State an offset against models in which it is zero, with the best other effect in its place."""
-        rival = offset_rival(self.search, self.best, effect)
-        odds = offset_odds(self.best, effect)
+        best = self.best
+        rival, odds = offset_rival(self.search, best, effect), offset_odds(best, effect)
         relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
         shares = np.maximum(relative / relative.sum(), LEAST_PROBABILITY).tolist()
-        place = self.best.space.places(effect).start
-        refitted_coordinates = refit(self.best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
-        refitted_model = replace(self.best, coordinates=refitted_coordinates)
-        smaller = min((self.best.neutralise([effect]), refitted_model), key=self._error)
-        rivals = () if rival is None else (self._rival(rival.effect.label(), shares[2], rival.fit),)
-        return self._describe(effect, shares[0], smaller, rivals)
+        place = best.space.places(effect).start
+        refitted_coordinates = refit(best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
+        smaller = (best.neutralise([effect]), replace(best, coordinates=refitted_coordinates))
+        rivals: tuple[Rival, ...] = ()
+        if rival is not None:
+            error = self.ranking.error(rival.fit)
+            rivals = (Rival(name=rival.effect.label(), probability=shares[2], held_out_nrmse=error),)
+        return self._describe(effect, shares[0], min(map(self.ranking.error, smaller)), rivals)
 
     def _is_offset(self, kind: type[Effect]) -> bool:
         """Whether an offset is significant, large enough to matter, and helps to predict left-out tests."""
@@ -308,11 +291,8 @@ class _Naming:
         share = 1.0 - MATERIAL if problem.flat else 1.0
         return self.search.error(best).energy <= share * leave_out(problem, best, (place,)).energy
 
-    def _rival(self, name: str, sure: float, fitted_model: Fit) -> Rival:
-        return Rival(name=name, probability=sure, held_out_nrmse=self._error(fitted_model))
-
     def _describe(
-        self, effect: type[Effect], sure: float, smaller: Fit, rivals: tuple[Rival, ...]
+        self, effect: type[Effect], sure: float, error_without: float, rivals: tuple[Rival, ...]
     ) -> MissingEffect:
         key = f"{effect.name}."
         bounds = self.best.space.find_bounds(self.best.coordinates)
@@ -325,13 +305,10 @@ class _Naming:
             probability=min(sure, 1.0 if self.structured <= LARGEST_STRUCTURED_SHARE else MOST_SURE),
             estimates=parameters,
             rivals=rivals,
-            error_with=self._error(self.best),
-            error_without=self._error(smaller),
+            error_with=self.choice.best.held_out,
+            error_without=error_without,
             on_bounds=tuple(name.removeprefix(key) for name in bounds if name.startswith(key)),
         )
-
-    def _error(self, fitted_model: Fit) -> float:
-        return compute_nrmse(self.proof, self.proof.residuals(fitted_model))
 
 
 def or_stated_damping(damper: MissingEffect, damping: float) -> MissingEffect:

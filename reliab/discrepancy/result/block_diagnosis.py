@@ -77,9 +77,14 @@ class RankedModel(PlainResult):
     is_believed: bool = False  # Whether its effects are those that the diagnosis states
 
     @property
+    def effects(self) -> tuple[type[Effect], ...]:
+        """Effects of the model."""
+        return self.fit.space.effects
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the effects, as a diagnosis reports them."""
-        return tuple(sorted(effect.label() for effect in self.fit.space.effects))
+        return tuple(sorted(effect.label() for effect in self.effects))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -290,13 +290,16 @@ def widen_estimates(
     return tuple(wide)
 
 
-def calibration(fit: Fit, *, is_restated: bool = False) -> tuple[Estimate, ...]:
-    """Calibrated values with their standard deviations.
+def calibration(fit: Fit, *, is_restated: bool = False, with_effects: bool = False) -> tuple[Estimate, ...]:
+    """Calibrated values with their standard deviations, and those of the effects if they are asked for.
 
     `is_restated`: a damping that is not the stated one is calibrated, not missing.
     """
     parameters = [item.parameter for item in fit.space.block.calibrations]
     calibrations = _estimates(fit, parameters, slice(len(parameters)))
+    if with_effects:
+        effects = (item for effect in fit.space.effects for item in estimates(effect, fit))
+        calibrations = (*calibrations, *effects)
     if not is_restated:
         return calibrations
     return tuple(_restate_damping(item, fit) if item.name == _DAMPING else item for item in calibrations)
