@@ -4,14 +4,13 @@ A simulation takes some ten milliseconds. Near a fitted model the whitened resid
 quadratic polynomial of the parameters, exact where effects enter linearly, which is fitted at points as far
 from the most probable model as the data allow. The likelihood is then a quartic polynomial whose coefficients
 are inner products of residuals. Whether that is good enough is checked with simulations at draws. Where it is
-not, it is fitted anew to simulations at its own draws, which lie where the parameters are likely; where that
-does not help either, as for a hysteresis that a few cycles show, every draw is simulated.
+not, as for a hysteresis that a few cycles show, every draw is simulated.
 """
 
 import math
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
@@ -33,9 +32,6 @@ SMALLEST_AGREEMENT = 0.7
 _SEED = 2017
 _CHECKS = 48  # draws at which the surface is compared with simulations
 _DRAWS, _POPULATIONS = 4000, 24  # of a surface, at most so often
-_REFINEMENTS, _POINTS = 3, 2  # of a surface at most, and simulations for each of its coefficients
-_SINGULAR = 1e-12  # of the largest singular value
-_FAR = 4.0  # nats for each parameter below the best point, from which a point counts less
 _INTERVAL = (0.05, 0.95)
 _BADLY_KNOWN = 0.2  # relative spread of a parameter
 _JOINT_SPREAD = 0.3  # spread of a product or ratio over that of its parts, below which it alone is known
@@ -62,9 +58,6 @@ class LikelihoodSurface:
     axes: Array  # Coordinates over standard ones, principal axes of the fitted covariance, shape (size, size)
     bounds: tuple[Array, Array]  # Bounds of the coordinates, shape (size,) each
     coefficients: Array  # The whitened residual over the monomials, shape (features, rows)
-    # Normal equations of the points through which it was fitted anew, of as many columns and of `rows`
-    products: Array | None = None
-    moments: Array | None = None
 
     @classmethod
     def around(cls, problem: Problem, fit: Fit) -> "LikelihoodSurface":
@@ -79,26 +72,6 @@ class LikelihoodSurface:
             bounds=fit.space.bounds,
             coefficients=np.linalg.pinv(_features(standard)) @ simulate_residuals(problem, fit, points),
         )
-
-    def refit(
-        self, problem: CorrectedSketch, fit: Fit, draws: Array, rng: np.random.Generator
-    ) -> "LikelihoodSurface":
-        """Fit the polynomial to simulations at draws of it, and at those of earlier times.
-
-        Points that are far less probable than the best of them, where a wrong polynomial led, count less.
-        """
-        distinct = np.unique(draws, axis=0)
-        points = rng.permutation(distinct)[: _POINTS * len(self.coefficients)]
-        residuals = simulate_residuals(problem, fit, self.coordinates(points))
-        loss = 0.5 * ((residuals**2).sum(axis=1) + (self.coordinates(points) ** 2).sum(axis=1))
-        far = (loss - loss.min()) / (_FAR * points.shape[1])
-        weights = 1.0 / np.sqrt(1.0 + far[:, np.newaxis] ** 2)
-        features, residuals = weights * _features(points), weights * residuals
-        products, moments = features.T @ features, features.T @ residuals
-        if self.products is not None and self.moments is not None:
-            products, moments = self.products + products, self.moments + moments
-        coefficients = np.linalg.lstsq(products, moments, rcond=_SINGULAR)[0]
-        return replace(self, coefficients=coefficients, products=products, moments=moments)
 
     @cached_property
     def _gram(self) -> Array:
@@ -220,16 +193,19 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
     Calibrations and offsets are sampled along with the effects; the noise is as fitted.
     """
     surface, space = LikelihoodSurface.around(problem, fit), fit.space
-    sketch, rng = CorrectedSketch(problem.sketch, fit), np.random.default_rng(_SEED)
-    draws, effective, agreement = _draw_from_surface(problem, fit, surface, rng)
-    for _ in range(_REFINEMENTS):
-        if agreement >= SMALLEST_AGREEMENT:
-            break
-        last_agreement, surface = agreement, surface.refit(sketch, fit, draws, rng)
-        draws, effective, agreement = _draw_from_surface(sketch, fit, surface, rng)
-        if agreement < last_agreement:
-            break
-    if agreement < SMALLEST_AGREEMENT:
+    draws, effective = draw_by_importance(
+        surface.log_density,
+        space.size,
+        np.random.default_rng(_SEED),
+        draws=_DRAWS,
+        population=_DRAWS,
+        populations=_POPULATIONS,
+        enough=_ENOUGH_OF_SURFACE,
+    )
+    agreement = 0.0 if effective < ENOUGH else agreement_of(problem, fit, surface, draws[:_CHECKS])
+    is_simulated = agreement < SMALLEST_AGREEMENT
+    if is_simulated:
+        sketch = CorrectedSketch(problem.sketch, fit)
         draws, effective = draw_by_importance(
             lambda standard: surface.simulate_density(sketch, fit, standard),
             space.size,
@@ -248,33 +224,11 @@ def sample_posterior(problem: Problem, fit: Fit) -> Posterior:
         draws=exact + space.model_errors(exact) * model_noise,
         effective=effective,
         agreement=agreement,
-        simulated=agreement < SMALLEST_AGREEMENT,
+        simulated=is_simulated,
     )
 
 
-def _draw_from_surface(
-    problem: Problem | CorrectedSketch, fit: Fit, surface: LikelihoodSurface, rng: np.random.Generator
-) -> tuple[Array, float, float]:
-    """Draw from a surface; their effective number, and their agreement with simulations, too."""
-    draws, effective = draw_by_importance(
-        surface.log_density,
-        fit.space.size,
-        rng,
-        draws=_DRAWS,
-        population=_DRAWS,
-        populations=_POPULATIONS,
-        enough=_ENOUGH_OF_SURFACE,
-    )
-    return (
-        draws,
-        effective,
-        0.0 if effective < ENOUGH else agreement_of(problem, fit, surface, draws[:_CHECKS]),
-    )
-
-
-def agreement_of(
-    problem: Problem | CorrectedSketch, fit: Fit, surface: LikelihoodSurface, draws: Array
-) -> float:
+def agreement_of(problem: Problem, fit: Fit, surface: LikelihoodSurface, draws: Array) -> float:
     """Effective share of draws of a surface under importance weights from it to simulations."""
     ratios = surface.simulate_density(problem, fit, draws) - surface.log_density(draws)
     return effective_size(weights_of(ratios)) / len(draws)

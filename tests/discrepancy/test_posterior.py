@@ -14,7 +14,6 @@ from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import MODEL_ERROR, ModelSpace
 from reliab.discrepancy.posterior import (
     ENOUGH,
-    SMALLEST_AGREEMENT,
     LikelihoodSurface,
     agreement_of,
     draw_by_importance,
@@ -125,27 +124,6 @@ def test_a_conjugate_posterior_is_met_exactly_and_cut_at_a_bound(highest):
     assert draws.max() <= highest
     assert draws.mean() == pytest.approx(exact.mean(), abs=0.04)
     assert draws.std() == pytest.approx(exact.std(), rel=0.06)
-
-
-def test_surface_that_is_fitted_anew_at_its_draws_agrees_with_simulations():
-    """Residual 3(x + x³/2) − 1 beside a normal prior, around a place that is far from likely."""
-    space = SimpleNamespace(size=1, bounds=(np.array([-9.0]), np.array([9.0])))
-    problem = SimpleNamespace(whiten=lambda _space, x, _noise: 3.0 * (x + 0.5 * x**3) - 1.0)
-    model_fit = SimpleNamespace(
-        space=space,
-        coordinates=np.array([1.2]),
-        covariance=np.array([[0.02]]),
-        noise=None,
-        residual=problem.whiten(space, np.array([1.2]), None),
-    )
-    surface = LikelihoodSurface.around(problem, model_fit)
-    agreements = []
-    for number in range(3):
-        draws, _ = draw_points(surface.log_density, 1, 4000, 2000.0)
-        agreements.append(agreement_of(problem, model_fit, surface, draws[:200]))
-        surface = surface.refit(problem, model_fit, draws, np.random.default_rng(number))
-    assert agreements[0] < SMALLEST_AGREEMENT
-    assert agreements[-1] > 0.85
 
 
 def sample_effect(name, values):
