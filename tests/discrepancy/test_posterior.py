@@ -16,11 +16,11 @@ from reliab.discrepancy.posterior import (
     ENOUGH,
     LikelihoodSurface,
     agreement_of,
-    draw_by_importance,
     sample_posterior,
 )
 from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
 from reliab.effects.registry import find_effect
+from reliab.sampling.importance import draw_by_importance
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
@@ -105,7 +105,9 @@ def test_the_truth_lies_within_four_standard_deviations(damping_posterior):
 
 def draw_points(log_density, size, population, enough):
     rng = np.random.default_rng(2017)
-    return draw_by_importance(log_density, size, rng, draws=4000, population=population, enough=enough)
+    return draw_by_importance(
+        log_density, size, rng, draws=4000, population=population, populations=24, enough=enough
+    )
 
 
 @pytest.mark.parametrize("highest", [9.0, 1.5])
