@@ -31,7 +31,8 @@ def draw_by_importance(
 
     >>> rng = np.random.default_rng(1)
     >>> drawn, effective = draw_by_importance(
-    ...     lambda x: -0.5 * ((x[:, 0] - 1.0) / 0.5) ** 2, 1, rng, draws=2000, population=500, populations=9, enough=400.0
+    ...     lambda x: -0.5 * ((x[:, 0] - 1.0) / 0.5) ** 2, 1, rng,
+    ...     draws=2000, population=500, populations=9, enough=400.0,
     ... )
     >>> bool(abs(drawn.mean() - 1.0) < 0.1 and abs(drawn.std() - 0.5) < 0.05 and effective >= 400.0)
     True

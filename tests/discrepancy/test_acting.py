@@ -44,7 +44,8 @@ def test_only_a_lag_says_a_delay_and_only_where_one_is_calibrated():
 
 def search_at_stop(effect, cut, step):
     """A problem in which an effect takes something off the crest of a motion [m], read in steps."""
-    space = SimpleNamespace(block=SimpleNamespace(calibrations=(), offsets=()), effects=(effect,))
+    block = SimpleNamespace(calibrations=(), offsets=(), removable={})
+    space = SimpleNamespace(block=block, effects=(effect,))
     space.keys = tuple(f"{effect.name}.{item.name}" for item in effect.parameters)
     motion = np.sin(np.linspace(0.0, 6.0, 200))
 

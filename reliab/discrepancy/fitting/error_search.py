@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.discrepancy.fitting.fit import Fit, fit_without_memory
+from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out
 from reliab.discrepancy.fitting.prior import COST_BESIDE_ERROR, cost_beside_error
 from reliab.discrepancy.fitting.problem import Problem, observations
@@ -71,8 +71,8 @@ class ErrorSearch(Search):
         remaining = float(candidate.residual @ candidate.residual)
         return remaining <= (1.0 - _TRIFLE) * self.energy(smaller, candidate.noise)
 
-    def _memory_odds(self, candidate: Fit) -> float:
-        errors = self.error(candidate), leave_out(*fit_without_memory(self.problem, candidate))
+    def _memory_odds(self, candidate: Fit, problem: Problem, forgetful: Fit) -> float:
+        errors = self.error(candidate), leave_out(problem, forgetful)
         return self.likelihood(errors[0]) - self.likelihood(errors[1]) - COST_BESIDE_ERROR
 
     def _promises_gain(self, best: Fit, residuals: Sequence[Array]) -> bool:

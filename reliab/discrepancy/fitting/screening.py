@@ -154,7 +154,7 @@ def exceeds_rounding(problem: Problem, fit: Fit, effect: type[Effect]) -> bool:
     if not issubclass(effect, _RESTING) or not any(problem.steps.values()):
         return True
     space = ModelSpace(fit.space.block, tuple(e for e in fit.space.effects if e is not effect))
-    free = problem.predictions(space, space.inherit(fit.space, fit.coordinates))
+    free = problem.predictions(space, next(space.starts(fit.space, fit.coordinates)))
     held_prediction = problem.predictions(fit.space, fit.coordinates)
     return any(
         np.abs(held_prediction[test] - free[test]).max() > _ROUNDING * problem.steps[test]

@@ -1,6 +1,6 @@
 """Search for missing effects of a block: forward by screening, backward by removal, judged by evidence."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property, reduce
 from weakref import WeakKeyDictionary
@@ -76,11 +76,9 @@ class Search:
     @cached_property
     def linear(self) -> Fit:
         """The best linear model of the block: calibration, offsets, and its linear effects."""
-        space = ModelSpace(self.problem.block, self.problem.block.linear)
-        if not space.effects:
-            return self.null
-        start = next(space.starts(self.null.space, self.null.coordinates))
-        return self.fit(space, [start], self.null.noise)
+        space, null = ModelSpace(self.problem.block, self.problem.block.linear), self.null
+        start = next(space.starts(null.space, null.coordinates))
+        return self.fit(space, [start], null.noise) if space.effects else null
 
     def fit(self, space: ModelSpace, starts: Sequence[Array], noise: NoiseModel) -> Fit:
         """Fit a model from some starts, with its noise."""
@@ -149,11 +147,12 @@ class Search:
         Its memory is one more assumption: without it, it may be nothing but a spring that is not linear.
         """
         added_effects = set(candidate.space.effects) - set(smaller.space.effects)
-        return not any(kind.remembers_peaks for kind in added_effects) or self._memory_odds(candidate) > 0.0
+        if not any(kind.remembers_peaks for kind in added_effects):
+            return True
+        return self._memory_odds(candidate, *fit_without_memory(self.problem, candidate)) > 0.0
 
-    def _memory_odds(self, candidate: Fit) -> float:
+    def _memory_odds(self, candidate: Fit, _problem: Problem, forgetful: Fit) -> float:
         """Odds of a model against the same without its memory, as a logarithm."""
-        _, forgetful = fit_without_memory(self.problem, candidate)
         return candidate.log_evidence - forgetful.log_evidence - COST
 
     def _is_shift(self, candidate: Fit, added_effects: set[type[Effect]]) -> bool:
@@ -213,14 +212,20 @@ class Search:
         rows = self.problem.whiten(candidate.space, candidate.coordinates, noise)
         return float(rows @ rows)
 
-    def remove_effect(self, candidate: Fit, kind: type[Effect]) -> Fit:
-        """Return a model without one of its effects, refitted."""
-        remaining = tuple(effect for effect in candidate.space.effects if effect is not kind)
-        space = ModelSpace(candidate.space.block, remaining)
+    def with_effects(self, base: Fit, effects: Iterable[type[Effect]], start: Array | None = None) -> Fit:
+        """Return the model with given effects, fitted from the parameters of another one, or from a start."""
+        space = ModelSpace(base.space.block, tuple(effects))
         if space.key in self.fitted:
             return self.fitted[space.key]
-        start = space.inherit(candidate.space, candidate.coordinates)
-        return self.keep(self.fit(space, [start], candidate.noise))
+        if start is None:
+            start = next(space.starts(base.space, base.coordinates))
+        return self.keep(self.fit(space, [start], base.noise))
+
+    def remove_effect(self, candidate: Fit, kind: type[Effect]) -> Fit:
+        """Return a model without one of its effects, refitted."""
+        return self.with_effects(
+            candidate, (effect for effect in candidate.space.effects if effect is not kind)
+        )
 
     def screen(self, parent: Fit, kinds: Sequence[type[Effect]]) -> list[Promise]:
         """Give effects that may be added to a model, those of the largest promise first."""
@@ -240,13 +245,12 @@ class Search:
         ]
         rough = self._rough(parent, fresh)
         least = self._worth_refining(rough, parent)
+
+        def refine(model: Fit) -> Fit:
+            return refine_fit(self.problem, model) if model.log_evidence > least else model
+
         with ThreadPoolExecutor(_WORKERS) as pool:
-            fits = list(
-                pool.map(
-                    lambda model: refine_fit(self.problem, model) if model.log_evidence > least else model,
-                    rough,
-                )
-            )
+            fits = list(pool.map(refine, rough))
         kept_models = []
         for candidate in fits:
             if self._matters(candidate, parent):
@@ -360,12 +364,8 @@ class Search:
     def rerun_converted(self) -> "Search":
         """Search again with the converter's error that the best model expects; itself if there is none."""
         best = self.best
-        corrected_problem = self.problem.correct_conversion(best.space, best.coordinates)
-        return (
-            self
-            if corrected_problem is self.problem or best is self.null
-            else self.move_to(corrected_problem)
-        )
+        problem = self.problem.correct_conversion(best.space, best.coordinates)
+        return self if problem is self.problem or best is self.null else self.move_to(problem)
 
     def move_to(self, problem: Problem) -> "Search":
         """Search on other data of the same block.
@@ -399,14 +399,12 @@ class Search:
                 if twin not in twins.get(kind, ()) or twin in best.space.effects:
                     continue
                 space = ModelSpace(best.space.block, (*parent.space.effects, twin))
-                earlier_fit = self.fitted.get(space.key)
-                start = (
-                    self.screen(parent, [twin])[0].start if earlier_fit is None else earlier_fit.coordinates
-                )
+                if space.key in self.fitted:
+                    space, start = self.fitted[space.key].space, self.fitted[space.key].coordinates
+                else:
+                    start = self.screen(parent, [twin])[0].start
                 if start.size:
-                    candidate = self.fit(
-                        space if earlier_fit is None else earlier_fit.space, [start], best.noise
-                    )
+                    candidate = self.fit(space, [start], best.noise)
                     if self._matters(candidate, parent):
                         self.keep(candidate)
 
@@ -415,13 +413,11 @@ class Search:
         if ClockOffset not in self.candidates or ClockOffset not in self.problem.block.twins:
             return
         for near in [self.fitted[key] for key in self._near()]:
-            smaller_model = (
-                self.remove_effect(near, ClockOffset) if ClockOffset in near.space.effects else near
-            )
-            space = ModelSpace(smaller_model.space.block, (*smaller_model.space.effects, ClockOffset))
-            if smaller_model.space.effects and space.key not in self.with_clocks:
-                (promise,) = self.screen(smaller_model, [ClockOffset])
-                late = self.fit(space, [promise.start], smaller_model.noise)
+            smaller = self.remove_effect(near, ClockOffset) if ClockOffset in near.space.effects else near
+            space = ModelSpace(smaller.space.block, (*smaller.space.effects, ClockOffset))
+            if smaller.space.effects and space.key not in self.with_clocks:
+                (promise,) = self.screen(smaller, [ClockOffset])
+                late = self.fit(space, [promise.start], smaller.noise)
                 self.with_clocks[space.key] = self.keep(late) if space.key in self.fitted else late
 
     def _near(self) -> list[frozenset[str]]:
@@ -461,10 +457,8 @@ class Search:
         """Fit a model with another effect in the place of one, whose parameters it has."""
         kinds = tuple(other if effect is kind else effect for effect in fitted_model.space.effects)
         space = ModelSpace(fitted_model.space.block, kinds)
-        if space.key in self.fitted:
-            return self.fitted[space.key]
         (start, *_) = space.replace_effect(fitted_model.space, fitted_model.coordinates, kind, other)
-        return self.keep(self.fit(space, [start], fitted_model.noise))
+        return self.with_effects(fitted_model, kinds, start)
 
     def settle(self) -> None:
         """Reject every model that may be named and contains an effect that does not matter."""

@@ -174,11 +174,6 @@ class ModelSpace:
         trial[place] = np.clip(factor * coordinates[place], 0.9 * lower[place], 0.9 * upper[place])
         return trial
 
-    def inherit(self, source: "ModelSpace", coordinates: Array) -> Array:
-        """Coordinates of a larger model without what this one does not have."""
-        values = dict(zip(source.keys, coordinates.tolist(), strict=True))
-        return np.array([values[key] for key in self.keys])
-
     def replace_effect(
         self, base: "ModelSpace", coordinates: Array, kind: type[Effect], special: type[Effect]
     ) -> list[Array]:

@@ -360,7 +360,7 @@ def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival
     block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
     problem = replace(search.problem, block=block)
     space = ModelSpace(block, best.space.effects)
-    start = space.inherit(best.space, best.coordinates)
+    start = next(space.starts(best.space, best.coordinates))
     null_fit = reweight_fit(problem, fit(problem, space, [start], best.noise))
     promising = screen_effects(problem, null_fit, search.candidates, null_fit)
     if not promising or not promising[0].gain > 0.0:
