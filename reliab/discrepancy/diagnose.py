@@ -14,7 +14,7 @@ from reliab.core.threads import one_thread
 from reliab.discrepancy.blocks.actuator import ActuatorBlock
 from reliab.discrepancy.blocks.balance import BalanceBlock, FrameBalanceBlock
 from reliab.discrepancy.blocks.loop import LoopBlock
-from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.blocks.observed import ObservedBlock, lag_of
 from reliab.discrepancy.blocks.specimen import SpecimenBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
 from reliab.discrepancy.campaign.contradictions import require_consistent
@@ -36,7 +36,7 @@ from reliab.discrepancy.segment import (
     skip_transient,
     smooth_motion,
 )
-from reliab.discrepancy.terms import ClockOffset, LateGround, lag_of
+from reliab.effects.clock_offset import ClockOffset, LateGround
 from reliab.effects.effect import Role, Scales
 from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.open_loop import Motion3

@@ -16,7 +16,7 @@ from reliab.discrepancy.fitting.left_out import leave_out
 from reliab.discrepancy.fitting.problem import Problem, relative_powers
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.segment import cut_segments, motions_of, scales_of
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library

@@ -12,7 +12,7 @@ from reliab.discrepancy.fitting.error_search import ErrorSearch
 from reliab.discrepancy.fitting.left_out import LeftOut
 from reliab.discrepancy.fitting.search import Search
 from reliab.discrepancy.naming.naming import calibrate_plainly
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect
 

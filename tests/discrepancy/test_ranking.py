@@ -10,7 +10,7 @@ from reliab.discrepancy.fitting.prior import cost
 from reliab.discrepancy.fitting.space import MODEL_ERROR
 from reliab.discrepancy.naming.choice import Ranking, _clock_models, _shares_of_parts, _shares_of_scores
 from reliab.discrepancy.result.block_diagnosis import RankedModel
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.registry import find_effect
 
 NOTHING_LINEAR = SimpleNamespace(block=SimpleNamespace(linear=()))

@@ -8,20 +8,16 @@ import pytest
 
 from reliab.core.errors import InputError
 from reliab.discrepancy.blocks.balance import BalanceBlock
+from reliab.discrepancy.blocks.loop import apply_damping
+from reliab.discrepancy.blocks.observed import lag_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.campaign.reading import read_campaign
 from reliab.discrepancy.diagnose import _is_slightly_late, _possible_lag, diagnose
 from reliab.discrepancy.segment import motions_of, scales_of
-from reliab.discrepancy.terms import (
-    ClockOffset,
-    LateGround,
-    LeadingReading,
-    StatedDamping,
-    apply_damping,
-    lag_of,
-    record_late,
-)
 from reliab.effects.added_mass import AddedMass
+from reliab.effects.clock_offset import ClockOffset, LateGround, LeadingReading
+from reliab.effects.stated_damping import StatedDamping
+from reliab.signals.late_reading import record_late
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.structures.frame import Specimen

@@ -19,8 +19,8 @@ from reliab.discrepancy.result.missing_effect import (
     remark,
     widen_estimates,
 )
-from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.registry import find_effect
+from reliab.effects.stated_damping import StatedDamping
 from reliab.recordings import behaviour
 
 

@@ -9,13 +9,14 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import delay, gain
-from reliab.discrepancy.blocks.observed import ObservedBlock
+from reliab.discrepancy.blocks.observed import ObservedBlock, lag_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import LeadingReading, lag_of, record_late
+from reliab.effects.clock_offset import LeadingReading
 from reliab.effects.effect import Role, Scales
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
 from reliab.effects.sensor_bias import SensorBias
+from reliab.signals.late_reading import record_late
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, drive, read_displacement
 

@@ -15,12 +15,10 @@ The numerical substructure may be a frame (:mod:`reliab.structures.inner_motion`
 """
 
 from copy import copy
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.core.arrays import Array, Spectrum
@@ -35,8 +33,9 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset, LateGround
-from reliab.effects.effect import Parameter, RecordEffect, Role, Scales
+from reliab.effects.clock_offset import ClockOffset, LateGround
+from reliab.effects.curved_ground import CUBIC_SPLINE_ERROR, CurvedGround
+from reliab.effects.effect import RecordEffect, Role, Scales
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.registry import library
@@ -46,7 +45,6 @@ from reliab.structures.inner_motion import InnerMotion
 
 _RETURN = 1.0  # s, within which a record is closed to a period
 _STEPS_TO_ANSWER = 2.0  # of an integration, after which the command shows what was demanded
-_CUBIC_SPLINE_ERROR = 1.0 / 12.0  # of its second derivative, over the second difference, to first order
 _DISPLACEMENT, _VELOCITY, _ACCELERATION, _ONE = range(4)
 
 
@@ -236,46 +234,8 @@ def motion_of_command(test: MeasuredTest, step: float) -> Motion3:
     """
     motion = Motion3.interpolate(test.channels[Channel.COMMAND], step)
     values = motion.values.copy()
-    values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) * _CUBIC_SPLINE_ERROR
+    values[2, 1:-1] += np.diff(values[2] + test.channels[Channel.GROUND], 2) * CUBIC_SPLINE_ERROR
     return Motion3(values=values, step=step)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CurvedGround(RecordEffect):
-    """A ground acceleration that is curved between samples where a model takes it for straight.
-
-    The second derivative of the cubic spline through a command that answers the ground is exact where the
-    ground is straight between samples, and too large by −δ²/12 of the sampled ground where it is smooth. A
-    record that was played with straight lines m times as fine as it was sampled lies in between: 1 − m⁻².
-    """
-
-    name = "curved_ground"
-    block = Block.NUMERICAL
-    role = Role.RECORD
-    description = "the ground acceleration is curved between its samples"
-    parameters = (
-        Parameter(
-            name="curvature_between_samples",
-            units="-",
-            meaning="share of the curvature of a smooth ground acceleration",
-            signed=True,
-            typical=0.5,
-            lower=-1e-9,
-            upper=1.0,
-            starts=(0.0,),
-        ),
-    )
-
-    curvature_between_samples: float  # Share c of that difference, from 0 (straight) to 1 (smooth)
-
-    def applied(self, acceleration: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-        """Ground acceleration [m/s²] that makes up for what the spline takes for straight."""
-        del step
-        corrected_ground = acceleration.copy()
-        corrected_ground[1:-1] -= (
-            _CUBIC_SPLINE_ERROR * self.curvature_between_samples * np.diff(acceleration, 2)
-        )
-        return corrected_ground
 
 
 def curvature_between_samples() -> Calibration:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from reliab.core.stated_value import RANGES
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Parameter, Scales
 from reliab.effects.excitation_scale import ExcitationScale
 from reliab.effects.force_bias import ForceBias

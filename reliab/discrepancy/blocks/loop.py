@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from reliab.core.arrays import Array
+from reliab.core.stated_value import RANGES
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import (
     damping,
@@ -22,7 +23,6 @@ from reliab.discrepancy.blocks.calibration import (
 )
 from reliab.discrepancy.blocks.observed import ObservedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel
-from reliab.discrepancy.terms import StatedDamping, apply_damping
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.effect import Effect, Role, Scales
 from reliab.effects.excitation_scale import ExcitationScale
@@ -30,6 +30,7 @@ from reliab.effects.force_bias import ForceBias
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import library
 from reliab.effects.sensor_bias import SensorBias
+from reliab.effects.stated_damping import StatedDamping
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.simulation.hybrid_test.closed_loop import move_piston
 from reliab.simulation.hybrid_test.model import HybridTest
@@ -45,6 +46,7 @@ _FEWEST_SKETCHED = 30.0  # of their steps in a natural period
 _LOOSE = 0.2  # spread of a gain that no channel shows by itself
 _DAMPING = 0.01  # spread of 2ξω₀m with a frequency and a mass as they are stated
 _MOST_OF_DAMPING = 0.03  # a larger deviation is an effect: with it an added mass could not be told
+_LEAST_DAMPING_RATIO = RANGES["damping ratio"].lowest  # a structure has some
 _RIG_ROLES = (Role.DELAY, Role.PISTON, Role.INTEGRATION)
 
 
@@ -170,6 +172,18 @@ class LoopBlock(ObservedBlock):
             if projection**2 > share * energy:
                 share, scale = projection**2 / energy, projection / energy
         return scale
+
+
+def apply_damping(model: HybridTest) -> HybridTest:
+    """Return a model whose structure has the damping that its effects give it."""
+    changes = [effect for effect in model.effects if isinstance(effect, StatedDamping)]
+    if not changes or model.structure is None:
+        return model
+    damping = model.mass * model.substructure.damping
+    factor = 1.0 + sum(change.damping_n_s_per_m for change in changes) / damping
+    ratio = max(factor * model.structure.damping_ratio, _LEAST_DAMPING_RATIO)
+    other_effects = tuple(effect for effect in model.effects if not isinstance(effect, StatedDamping))
+    return replace(model, structure=replace(model.structure, damping_ratio=ratio), effects=other_effects)
 
 
 def _resample(ground: Array, parts: int, thinning: int) -> Array:

@@ -14,11 +14,12 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.segment import Segment, highest_frequency
-from reliab.discrepancy.terms import lag_of, record_late
 from reliab.effects.added_mass import AddedMass
+from reliab.effects.clock_offset import ClockOffset, LeadingReading
 from reliab.effects.effect import Effect, Scales
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.signals.cubic_path import CubicPath
+from reliab.signals.late_reading import record_late
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3
 
@@ -142,6 +143,12 @@ class ObservedBlock(ABC):
             return values
         instants = self.every * np.arange(values.size, dtype=np.float64)
         return CubicPath.interpolate(instants, values)(np.arange(size, dtype=np.float64))
+
+
+def lag_of(model: HybridTest) -> float:
+    """Time by which the clocks of a model record a channel later than the other [s]."""
+    late = sum(effect.lag_s for effect in model.effects if isinstance(effect, ClockOffset))
+    return late - sum(effect.lead_s for effect in model.effects if isinstance(effect, LeadingReading))
 
 
 class SuperposedBlock(ObservedBlock, Generic[Term]):

@@ -15,8 +15,8 @@ from reliab.core.vocabulary import Block
 from reliab.discrepancy.blocks.calibration import Calibration, free_stiffness, lag_of_force, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock, SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
-from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.added_mass import AddedMass
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.general.general_terms import general_terms

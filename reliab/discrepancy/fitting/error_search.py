@@ -16,7 +16,7 @@ from reliab.discrepancy.fitting.prior import COST_BESIDE_ERROR, cost_beside_erro
 from reliab.discrepancy.fitting.problem import Problem, observations
 from reliab.discrepancy.fitting.screening import Promise
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from reliab.discrepancy.terms import ClockOffset
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
 

@@ -13,8 +13,8 @@ from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.segment import split_by_segment
-from reliab.discrepancy.terms import ClockOffset
 from reliab.effects.backlash import Backlash
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect, LinearEffect, Role
 from reliab.effects.general.periodic import Disturbance, disturbance
 from reliab.effects.rate_limit import RateLimit

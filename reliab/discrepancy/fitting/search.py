@@ -39,7 +39,7 @@ from reliab.discrepancy.fitting.screening import (
     takes_over_delay,
 )
 from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.terms import ClockOffset, LateGround
+from reliab.effects.clock_offset import ClockOffset, LateGround
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
 from reliab.effects.registry import library

@@ -19,9 +19,10 @@ from reliab.discrepancy.locate import LEAST_PROBABILITY
 from reliab.discrepancy.proof import compute_nrmse
 from reliab.discrepancy.result.block_diagnosis import RankedModel
 from reliab.discrepancy.result.gap import NO_CHANGE
-from reliab.discrepancy.terms import ClockOffset, StatedDamping
+from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import is_general
+from reliab.effects.stated_damping import StatedDamping
 
 SURE = 0.9
 """Probability from which an effect is named."""

@@ -44,9 +44,9 @@ from reliab.discrepancy.result.missing_effect import (
     estimates,
     widen_estimates,
 )
-from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.effect import Effect
 from reliab.effects.general.general_term import GeneralTerm, is_general
+from reliab.effects.stated_damping import StatedDamping
 from reliab.effects.stroke_saturation import StrokeSaturation
 from reliab.effects.viscous_damping import ViscousDamping
 from reliab.signals.noise import NoiseModel

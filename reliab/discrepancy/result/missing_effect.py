@@ -12,8 +12,8 @@ from reliab.core.plain_values import Keys, PlainResult, same_names
 from reliab.core.significant_digits import percent, value_and_interval
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.gap import NO_CHANGE
-from reliab.discrepancy.terms import StatedDamping
 from reliab.effects.effect import Effect, Parameter
+from reliab.effects.stated_damping import StatedDamping
 
 _TELLS = {
     frozenset({"first_order_lag", "second_order_dynamics"}):
