@@ -4,10 +4,14 @@ A value with an interval has the digits that the interval allows, in sentences, 
 """
 
 import math
+import re
 
 from reliab.core.vocabulary import PERCENT
 
 _ORDINARY = (1e-4, 1e7)
+_PREFIXES = {-6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_READABLE = (0.01, 1e4)  # sizes of numbers that are shown without a power of ten
+_NEGATIVE_ZERO = re.compile(r"-(0(?:\.0+)?)(?![\d.])")
 _TWO_DIGITS_BELOW = 5.0
 """An uncertainty that begins with 1 to 4 is written with two digits, another with one: rounding then moves a
 number by at most a tenth of its uncertainty."""
@@ -112,3 +116,37 @@ def counted(number: int, noun: str) -> str:
     ('1 test', '12 tests')
     """
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def quantity_and_interval(value: float, low: float, high: float, unit: str) -> str:
+    """Write a value with its interval, in a unit in which they are readable.
+
+    >>> quantity_and_interval(2300.0, 1900.0, 2700.0, "N"), quantity_and_interval(-4e-5, -0.1, 0.1, "-")
+    ('2300 N (1900 to 2700)', '0.00 (−0.10 to 0.10)')
+    """
+    scale, name = readable_unit(unit, max(abs(value), abs(low), abs(high)))
+    number, interval = value_and_interval(value / scale, low / scale, high / scale)
+    is_power = name.startswith("·")
+    text = f"{number} ({interval}){name}" if is_power else f"{number} {name} ({interval})"
+    return _NEGATIVE_ZERO.sub(r"\1", text).replace("  ", " ").replace("-", "−")
+
+
+def readable_unit(unit: str, size: float) -> tuple[float, str]:
+    """Return a power of ten and its unit in which a size is readable.
+
+    Forces are shown in N, kN, …, lengths and times in m, mm, … and s, ms, …
+
+    >>> readable_unit("m/s", 0.004), readable_unit("N·s/m", 4.6e7), readable_unit("-", 3e-5)
+    ((0.001, 'mm/s'), (1000000.0, 'MN·s/m'), (1e-06, '·10⁻⁶'))
+    """
+    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
+    plain_unit = "" if unit == "-" else unit
+    has_prefix = exponent in _PREFIXES and (
+        unit.startswith("N") or (exponent < 0 and unit in ("m", "s", "m/s"))
+    )
+    if has_prefix and not (unit.startswith("N") and _READABLE[0] <= size < _READABLE[1]):
+        return 10.0**exponent, _PREFIXES[exponent] + unit
+    if _READABLE[0] <= size < _READABLE[1] or not exponent:
+        return 1.0, plain_unit
+    superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return 10.0**exponent, f"·10{superscript} {plain_unit}".rstrip()

@@ -81,10 +81,6 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
     missing = bool(set(best.space.effects) - restatements or offsets)
     proof_gap = naming.compare_with_others(replace(measured_gap, missing=missing))
     unknown = naming.state_unknown(judgement, proof_gap, is_named=bool(effects), is_doubted=bool(doubtful))
-    linear = search.linear if search.linear.space.effects else None
-    as_recorded = search.error(best)
-    if problem.conversion:  # with all that the converter adds, as a further test has it
-        as_recorded = leave_out(replace(problem, conversion={}), best)
     return BlockDiagnosis(
         problem=problem,
         proof=proof,
@@ -101,11 +97,11 @@ def diagnose_block(search: Search, proof: Problem) -> BlockDiagnosis:
         structured_share=structure,
         leaves_noise=noise,
         calibration=calibration(best, is_restated=bool(restatements)),
-        further=predict_error(as_recorded),
+        further=predict_error(naming.errors_as_recorded),
         believed=choice.best,
         rejected=naming.rejected,
         choice_remarks=tuple(remarks_on(choice)),
-        linear=() if linear is None else calibration(linear, with_effects=True),
+        linear=calibration(search.linear, with_effects=True) if search.linear.space.effects else (),
         refining=tuple(choice.refining),
     )
 
@@ -165,6 +161,14 @@ class _Naming:
         single = (model for model in models if len(set(model.space.effects) - self.ranking.linear) == 1)
         rows = map(self.ranking.row_of, single)
         return tuple(row for row in rows if max(row.left_out, row.held_out) <= 1.0)
+
+    @property
+    def errors_as_recorded(self) -> LeftOut:
+        """Errors on left-out tests with all that the converter adds, as a further test has it."""
+        problem = replace(self.search.problem, conversion={})
+        return (
+            leave_out(problem, self.best) if self.search.problem.conversion else self.search.error(self.best)
+        )
 
     def compare_with_others(self, measured_gap: Gap) -> Gap:
         """Add to a gap what the best linear model leaves, and the best model that lacks an effect."""

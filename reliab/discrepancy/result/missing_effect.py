@@ -1,7 +1,6 @@
 """A missing effect: one of the library with its parameters and rivals, or a term outside the library."""
 
 import math
-import re
 from collections.abc import Sequence, Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -9,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from reliab.core.plain_values import Keys, PlainResult, same_names
-from reliab.core.significant_digits import percent, value_and_interval
+from reliab.core.significant_digits import percent, quantity_and_interval
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.result.gap import NO_CHANGE
 from reliab.effects.effect import Effect, Parameter
@@ -38,35 +37,11 @@ _TELLS = {
 _DECISIVE_TEST = "A test with a stronger input of wider band, recorded on all four channels, would decide it"
 _LEAST_RIVAL = 0.01  # probability of an effect that is named as another one's rival
 _DAMPING = "structure_damping"
-_PREFIXES = {-6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-_READABLE = (0.01, 1e4)  # sizes of numbers that are shown without a power of ten
-_NEGATIVE_ZERO = re.compile(r"-(0(?:\.0+)?)(?![\d.])")
 _NOTHING = 1e-8  # SI value of a parameter whose lower bound stands a hair below zero
 
 
 NORMAL_REACH_90 = 1.645
 """Standard deviations to either end of a central 90 % interval."""
-
-
-def readable_unit(unit: str, size: float) -> tuple[float, str]:
-    """Return a power of ten and its unit in which a size is readable.
-
-    Forces are shown in N, kN, …, lengths and times in m, mm, … and s, ms, …
-
-    >>> readable_unit("m/s", 0.004), readable_unit("N·s/m", 4.6e7), readable_unit("-", 3e-5)
-    ((0.001, 'mm/s'), (1000000.0, 'MN·s/m'), (1e-06, '·10⁻⁶'))
-    """
-    exponent = 3 * math.floor(math.log10(size) / 3.0) if size > 0.0 else 0
-    plain_unit = "" if unit == "-" else unit
-    has_prefix = exponent in _PREFIXES and (
-        unit.startswith("N") or (exponent < 0 and unit in ("m", "s", "m/s"))
-    )
-    if has_prefix and not (unit.startswith("N") and _READABLE[0] <= size < _READABLE[1]):
-        return 10.0**exponent, _PREFIXES[exponent] + unit
-    if _READABLE[0] <= size < _READABLE[1] or not exponent:
-        return 1.0, plain_unit
-    superscript = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return 10.0**exponent, f"·10{superscript} {plain_unit}".rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,11 +88,7 @@ class Estimate(PlainResult):
             return "not determined"
         reach = NORMAL_REACH_90 * self.sd
         low, high = self.within_bounds(self.interval or (self.value - reach, self.value + reach))
-        scale, unit = readable_unit(self.units, max(abs(self.value), abs(low), abs(high)))
-        value, interval = value_and_interval(self.value / scale, low / scale, high / scale)
-        is_power = unit.startswith("·")
-        text = f"{value} ({interval}){unit}" if is_power else f"{value} {unit} ({interval})"
-        return _NEGATIVE_ZERO.sub(r"\1", text).replace("  ", " ").replace("-", "−")
+        return quantity_and_interval(self.value, low, high, self.units)
 
 
 @dataclass(frozen=True, kw_only=True)

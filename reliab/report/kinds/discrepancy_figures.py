@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from reliab.core.significant_digits import readable_unit
 from reliab.core.vocabulary import Block
 from reliab.discrepancy.campaign.campaign import Channel
 from reliab.discrepancy.posterior import Posterior
 from reliab.discrepancy.result.block_diagnosis import BlockDiagnosis
 from reliab.discrepancy.result.diagnosis import Diagnosis
-from reliab.discrepancy.result.missing_effect import readable_unit
 from reliab.report.document import Block as DocumentBlock, Figure
 from reliab.report.figures.discrepancy import (
     STRETCHES,
