@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.discrepancy.adding import criterion_shift, shaking_of
+from reliab.criterion.effect_shift import criterion_shift
+from reliab.discrepancy.adding import shaking_of
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.effects.registry import find_effect
 from reliab.simulation.engine import Loop
