@@ -1,6 +1,6 @@
 """The gap between model and measurement on held-out tests, and the error to expect on a further test."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar, Final
@@ -161,8 +161,8 @@ class Gap(PlainResult):
         """
         if self.is_noise_before or not self.missing:
             return None
-        remaining_energy = 0.0 if self.remainder is Remainder.AT_NOISE else self.model_error**2
-        return _remaining_share(self.before**2, self.after**2, remaining_energy)
+        noise = self.after if self.remainder is Remainder.AT_NOISE else self.floor or 0.0
+        return _remaining_share(self.before, self.after, noise)
 
     @property
     def conclusion(self) -> str:
@@ -185,36 +185,34 @@ class Gap(PlainResult):
                 return "how much of what remains is noise is not known"
 
     @property
-    def by_kind(self) -> tuple["GapOfKind", ...]:
-        """The gap in each kind of held-out test, the least explained first."""
-        kinds: dict[str, list[HeldOutTest]] = {}
-        for test in self.tests:
-            kinds.setdefault(test.kind, []).append(test)
-        return _worst_first(map(self._gap_over, kinds.values()))
-
-    @property
     def worst_unexplained_share(self) -> float | None:
         """Unexplained share of the kind of test of which least is explained, None as for all tests."""
         shares = [gap.unexplained_share for gap in self.by_kind if gap.unexplained_share is not None]
         return max(shares, default=None)
 
     @property
+    def by_kind(self) -> tuple["GapOfKind", ...]:
+        """The gap in each kind of held-out test, the least explained first."""
+        return self._gaps_by(lambda test: test.kind)
+
+    @property
     def by_test(self) -> tuple["GapOfKind", ...]:
         """The gap in each held-out test, the least explained first."""
-        return _worst_first(self._gap_over([test]) for test in self.tests)
+        return self._gaps_by(lambda test: test.file)
 
-    def _gap_over(self, tests: Sequence[HeldOutTest]) -> "GapOfKind":
-        """Gap over some tests of one kind, which count alike."""
-        errors = [(test.before, test.after, self._noise_in(test)) for test in tests]
-        error_before, error_after, noise = np.sqrt(np.mean(np.square(errors), axis=0)).tolist()
-        return GapOfKind(
-            kind=tests[0].kind,
-            files=tuple(test.file for test in tests),
-            before=error_before,
-            after=error_after,
-            noise=noise,
-            missing=self.missing,
-        )
+    def _gaps_by(self, key: Callable[[HeldOutTest], str]) -> tuple["GapOfKind", ...]:
+        """Compare errors over the tests of each key, which count alike."""
+        groups: dict[str, list[HeldOutTest]] = {}
+        for test in self.tests:
+            groups.setdefault(key(test), []).append(test)
+        gaps = []
+        for tests in groups.values():
+            squares = np.square([(test.before, test.after, self._noise_in(test)) for test in tests])
+            before, after, noise = np.sqrt(np.mean(squares, axis=0)).tolist()
+            files = tuple(test.file for test in tests)
+            errors = {"before": before, "after": after, "noise": noise}
+            gaps.append(GapOfKind(kind=tests[0].kind, files=files, missing=self.missing, **errors))
+        return tuple(sorted(gaps, key=lambda gap: (-(gap.unexplained_share or 0.0), -gap.after)))
 
     def _noise_in(self, test: HeldOutTest) -> float:
         """RMS of the noise in a test over that of its signal; in a weak one a floor is a larger share.
@@ -245,11 +243,6 @@ class GapOfKind:
         return self.files[0]
 
     @property
-    def model_error(self) -> float:
-        """What remains above the noise."""
-        return float(np.sqrt(max(self.after**2 - self.noise**2, 0.0)))
-
-    @property
     def unexplained_share(self) -> float | None:
         """Share of the gap's energy above the noise that remains with the effects, in [0, 1].
 
@@ -257,16 +250,13 @@ class GapOfKind:
         """
         if not self.missing or (self.noise > 0.0 and self.before <= (1.0 + _FLOOR_UNCERTAINTY) * self.noise):
             return None
-        return _remaining_share(self.before**2, self.after**2, self.model_error**2)
+        return _remaining_share(self.before, self.after, self.noise)
 
 
-def _remaining_share(energy_before: float, energy_after: float, remaining: float) -> float:
-    closed_energy = max(energy_before - energy_after, 0.0)
+def _remaining_share(before: float, after: float, noise: float) -> float:
+    """Share of a gap's energy above a noise that remains after effects are added."""
+    remaining, closed_energy = max(after**2 - noise**2, 0.0), max(before**2 - after**2, 0.0)
     return remaining / (remaining + closed_energy) if remaining > 0.0 else 0.0
-
-
-def _worst_first(gaps: Iterable[GapOfKind]) -> tuple[GapOfKind, ...]:
-    return tuple(sorted(gaps, key=lambda gap: (-(gap.unexplained_share or 0.0), -gap.after)))
 
 
 @dataclass(frozen=True, kw_only=True)
