@@ -1,45 +1,15 @@
-"""Whether a fitted effect acts: beyond what a converter's rounding does, or in the place of a delay."""
+"""Whether a fitted effect acts: beyond what a converter's rounding does."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from reliab.discrepancy.fitting.screening import exceeds_rounding, takes_over_delay
+from reliab.discrepancy.fitting.screening import exceeds_rounding
 from reliab.effects.registry import find_effect
 
 BACKLASH, LAG, STOP = (find_effect(name) for name in ("backlash", "first_order_lag", "stroke_saturation"))
-DELAY = SimpleNamespace(parameter=SimpleNamespace(name="delay_s"))
 STEP = 0.01
-
-
-class Places:
-    """A space whose only coordinate is the delay [s]."""
-
-    def __init__(self, effects, calibrations):
-        self.effects = effects
-        self.block = SimpleNamespace(calibrations=calibrations)
-
-    @staticmethod
-    def values(coordinates):
-        return np.array(coordinates)
-
-
-def fit_of(delay, *effects, calibrations=(DELAY,)):
-    return SimpleNamespace(space=Places(effects, calibrations), coordinates=[delay])
-
-
-@pytest.mark.parametrize(("delay", "instead"), [(0.004, True), (0.006, False)])
-def test_lag_replaces_a_delay_it_mostly_explains(delay, instead):
-    assert takes_over_delay(fit_of(delay, BACKLASH, LAG), fit_of(0.01, BACKLASH)) is instead
-
-
-def test_only_a_lag_says_a_delay_and_only_where_one_is_calibrated():
-    assert not takes_over_delay(fit_of(0.0, LAG, BACKLASH), fit_of(0.01, LAG))
-    assert not takes_over_delay(fit_of(0.0, BACKLASH, LAG), fit_of(0.01))
-    assert not takes_over_delay(
-        fit_of(0.0, BACKLASH, LAG, calibrations=()), fit_of(0.01, BACKLASH, calibrations=())
-    )
 
 
 def search_at_stop(effect, cut, step):

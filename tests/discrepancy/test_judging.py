@@ -300,36 +300,6 @@ def test_observations_are_the_tempered_rows_of_all_segments():
     assert models.observations == pytest.approx(0.5 * 19.0 + 0.25 * 7.0)
 
 
-@pytest.mark.parametrize(
-    ("effects", "pair_matters", "stands"),
-    [
-        ((ClockOffset, VISCOUS), False, False),
-        ((ClockOffset, VISCOUS), True, True),
-        ((ClockOffset,), False, True),
-        ((VISCOUS,), False, True),
-    ],
-)
-def test_cancelling_damper_and_clock_offset_must_matter_together(effects, pair_matters, stands):
-    def model(kinds):
-        return SimpleNamespace(space=SimpleNamespace(effects=tuple(kinds)))
-
-    comparisons = []
-
-    def matters(candidate, smaller):
-        comparisons.append((candidate.space.effects, smaller.space.effects))
-        return pair_matters
-
-    search = SimpleNamespace(
-        problem=SimpleNamespace(block=SimpleNamespace(twins={ClockOffset: (VISCOUS,)})),
-        remove_effect=lambda larger, kind: model(k for k in larger.space.effects if k is not kind),
-        _matters=matters,
-    )
-    candidate = model((CUBIC, *effects))
-    assert Search._clocks_matter(search, candidate) is stands  # noqa: SLF001 - what is tested
-    assert all(smaller == (CUBIC,) for _, smaller in comparisons)
-    assert len(comparisons) == (len(effects) == 2)
-
-
 @pytest.mark.parametrize("spread", [True, False])
 def test_an_offset_of_the_clocks_beside_effects_needs_little_only_where_noise_is_left(spread):
     def model(kinds):

@@ -15,7 +15,7 @@ from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.discrepancy.segment import split_by_segment
 from reliab.effects.backlash import Backlash
 from reliab.effects.clock_offset import ClockOffset
-from reliab.effects.effect import Effect, LinearEffect, Role
+from reliab.effects.effect import Effect, Role
 from reliab.effects.general.periodic import Disturbance, disturbance
 from reliab.effects.rate_limit import RateLimit
 from reliab.effects.stroke_saturation import StrokeSaturation
@@ -124,12 +124,9 @@ def line_terms(problem: Problem, fit: Fit) -> tuple[type[Disturbance], ...]:
 
 _LEAST_LAG = 0.05  # samples, of clocks that differ; simulations of one model differ by a hundredth
 _ROUNDING = 0.6  # of a step; rounding moves a reading by half of it, and the fitted effect follows that
-_TAKEN_OVER = 0.5  # of the calibrated delay, from which a lag says most of it
 _RESTING = (Backlash, StrokeSaturation)
 LIMITS = (StrokeSaturation, RateLimit)
 """Effects that act where the motion goes furthest or fastest only, so that a single part may show them."""
-
-_DELAY = "delay_s"
 
 
 def acts(fit: Fit, effect: type[Effect], deviations: float) -> bool:
@@ -160,19 +157,3 @@ def exceeds_rounding(problem: Problem, fit: Fit, effect: type[Effect]) -> bool:
         np.abs(held_prediction[test] - free[test]).max() > _ROUNDING * problem.steps[test]
         for test in held_prediction
     )
-
-
-def takes_over_delay(candidate: Fit, smaller: Fit) -> bool:
-    """Whether a model has one more effect, a lag, that says most of what was calibrated as a delay.
-
-    It then stands in the place of a calibration, and is no further effect beside the others.
-    """
-    added_effects = set(candidate.space.effects) - set(smaller.space.effects)
-    if len(added_effects) != 1 or not issubclass(next(iter(added_effects)), LinearEffect):
-        return False
-    names = [item.parameter.name for item in candidate.space.block.calibrations]
-    if _DELAY not in names:
-        return False
-    place = names.index(_DELAY)
-    delay, former_delay = (fit.space.values(fit.coordinates)[place] for fit in (candidate, smaller))
-    return bool(delay < _TAKEN_OVER * former_delay)

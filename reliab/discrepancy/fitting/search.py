@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property, reduce
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -36,7 +36,6 @@ from reliab.discrepancy.fitting.screening import (
     gains_beside,
     line_terms,
     screen_effects,
-    takes_over_delay,
 )
 from reliab.discrepancy.fitting.space import ModelSpace
 from reliab.effects.clock_offset import ClockOffset, LateGround
@@ -133,7 +132,7 @@ class Search:
             return False
         if smaller is self.null or self._shows_once(candidate, smaller):
             return True
-        if self._is_shift(candidate, added_effects) or takes_over_delay(candidate, smaller):
+        if self._is_shift(candidate, added_effects):
             return self._predicts(candidate, smaller, 1.0 + _NO_WORSE)
         closed_energy = self.energy(self.null, candidate.noise) - remaining
         if gain > LEAST_SHARE * closed_energy:
@@ -186,7 +185,7 @@ class Search:
             )
             if not (is_noticed and self._matters(candidate, smaller)):
                 return False
-        return self._clocks_matter(candidate)
+        return True
 
     def _shows_once(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether a further limit clearly shows in a part from which the others do not foretell it."""
@@ -195,13 +194,6 @@ class Search:
             return False
         clear = candidate.log_evidence - smaller.log_evidence > _CLEAR
         return clear and not self.error(candidate).foretold.all()
-
-    def _clocks_matter(self, candidate: Fit) -> bool:
-        """Whether an offset of the clocks and what looks like one, which may cancel it, matter together."""
-        twins = self.problem.block.twins.get(ClockOffset, ())
-        confounded = [kind for kind in candidate.space.effects if kind in (ClockOffset, *twins)]
-        both = ClockOffset in confounded and len(confounded) > 1
-        return not both or self._matters(candidate, reduce(self.remove_effect, confounded, candidate))
 
     def _acts(self, candidate: Fit, kind: type[Effect]) -> bool:
         """Whether an effect's parameters are beyond their own uncertainty, and beyond a converter's steps."""

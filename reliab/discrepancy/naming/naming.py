@@ -1,15 +1,12 @@
 """From all fitted models of a block to the names that the data support, by how probable each is."""
 
-from copy import copy
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy import special
 
 from reliab.core.significant_digits import counted, percent
-from reliab.discrepancy.fitting.error_search import ErrorSearch
-from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit, reweight_fit
+from reliab.discrepancy.fitting.fit import Fit, as_judged_by_noise, fit
 from reliab.discrepancy.fitting.left_out import LeftOut, leave_out, refit
 from reliab.discrepancy.fitting.noise_test import (
     LARGEST_STRUCTURED_SHARE,
@@ -19,10 +16,8 @@ from reliab.discrepancy.fitting.noise_test import (
 )
 from reliab.discrepancy.fitting.prior import COST, MATERIAL
 from reliab.discrepancy.fitting.problem import Problem
-from reliab.discrepancy.fitting.screening import screen_effects
 from reliab.discrepancy.fitting.search import Search
-from reliab.discrepancy.fitting.space import ModelSpace
-from reliab.discrepancy.locate import LEAST_PROBABILITY, Finding, locate
+from reliab.discrepancy.locate import Finding, locate
 from reliab.discrepancy.naming.choice import (
     SURE,
     Choice,
@@ -123,14 +118,6 @@ def _locate_residual(
     return locate(plain, whitened_fit, best.noise)
 
 
-class OffsetRival(NamedTuple):
-    """A model that holds an effect in the place of an offset, which is zero in it."""
-
-    effect: type[Effect]
-    fit: Fit
-    odds: float  # Logarithm of how much more credible it is than the offset, by the judge of the search
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Naming:
     """What is needed to state effects: all models, and the believed one."""
@@ -197,10 +184,7 @@ class _Naming:
         )
 
     def state_effects(self) -> tuple[tuple[MissingEffect, ...], ...]:
-        """State effects: those that are named, those of which one acts, and uncertain offsets.
-
-        An offset is uncertain if another effect may stand in its place.
-        """
+        """State effects: those that are named, those of which one acts, and uncertain offsets."""
         known_kinds = [kind for kind in self.kinds if not is_general(kind)]
         sure = (kind for kind in known_kinds if kind in self.choice.sure - {StatedDamping})
         doubtful = (kind for kind in known_kinds if kind in self.choice.doubtful)
@@ -269,19 +253,12 @@ class _Naming:
         )
 
     def _offset(self, effect: type[Effect]) -> MissingEffect:
-        """State an offset against models in which it is zero, with the best other effect in its place."""
-        best = self.best
-        rival, odds = offset_rival(self.search, best, effect), offset_odds(best, effect)
-        relative = np.exp(np.minimum([0.0, -odds, -np.inf if rival is None else rival.odds], 700.0))
-        shares = np.maximum(relative / relative.sum(), LEAST_PROBABILITY).tolist()
-        place = best.space.places(effect).start
+        """State an offset against models in which it is zero."""
+        best, place = self.best, self.best.space.places(effect).start
         refitted_coordinates = refit(best, np.zeros(self.search.problem.rows, dtype=bool), (place,))
         smaller = (best.neutralise([effect]), replace(best, coordinates=refitted_coordinates))
-        rivals: tuple[Rival, ...] = ()
-        if rival is not None:
-            error = self.ranking.error(rival.fit)
-            rivals = (Rival(name=rival.effect.label(), probability=shares[2], held_out_nrmse=error),)
-        return self._describe(effect, shares[0], min(map(self.ranking.error, smaller)), rivals)
+        probability = 1.0 / (1.0 + np.exp(-min(offset_odds(best, effect), 700.0)))
+        return self._describe(effect, probability, min(map(self.ranking.error, smaller)), ())
 
     def _is_offset(self, kind: type[Effect]) -> bool:
         """Whether an offset is significant, large enough to matter, and helps to predict left-out tests."""
@@ -351,34 +328,6 @@ def predict_error(errors: LeftOut) -> FurtherError | None:
     middle = float(logarithms.mean())
     low, high = np.exp(middle - reach), np.exp(middle + reach)
     return FurtherError(value=float(np.exp(middle)), low=float(low), high=float(high), tests=count)
-
-
-def offset_rival(search: Search, best: Fit, offset: type[Effect]) -> OffsetRival | None:
-    """Find the effect that explains most in the place of an offset.
-
-    Returns none where no effect promises to explain anything, or where the best of them predicts tests that
-    are left out clearly worse than the offset does, whatever its evidence: a noise model fitted to the
-    rival's own residual may take a constant for slow noise.
-    """
-    block = copy(search.problem.block)
-    block.offsets = tuple(kind for kind in block.offsets if kind is not offset)
-    problem = replace(search.problem, block=block)
-    space = ModelSpace(block, best.space.effects)
-    start = next(space.starts(best.space, best.coordinates))
-    null_fit = reweight_fit(problem, fit(problem, space, [start], best.noise))
-    promising = screen_effects(problem, null_fit, search.candidates, null_fit)
-    if not promising or not promising[0].gain > 0.0:
-        return None
-    first = promising[0]
-    larger = ModelSpace(block, (*best.space.effects, first.kind))
-    rival = reweight_fit(problem, fit(problem, larger, [first.start], null_fit.noise))
-    error = leave_out(problem, rival)
-    if (1.0 - MATERIAL) * error.energy > search.error(best).energy:
-        return None
-    odds = rival.log_evidence - best.log_evidence
-    if isinstance(search, ErrorSearch):
-        odds = search.likelihood(error) - search.likelihood(search.error(best))
-    return OffsetRival(effect=first.kind, fit=rival, odds=odds)
 
 
 def offset_odds(fitted_model: Fit, offset: type[Effect]) -> float:
