@@ -348,13 +348,6 @@ def smooth_displacement(displacement: Array, step: float, highest: float) -> Arr
     return np.asarray(swing + np.linspace(displacement[0], displacement[-1], n))
 
 
-def velocity_spread(displacement: Array, step: float, highest: float) -> float:
-    """Return how far the velocity spreads about that of the smoothed motion, its standard deviation [m/s]."""
-    _, frequency, mean_power, floor = _spectra(displacement, step, highest)
-    missed_power = _share(frequency, mean_power, floor, highest) * floor * (2.0 * np.pi * frequency) ** 2
-    return float(np.sqrt(missed_power.sum() / displacement.size))
-
-
 def _share(frequency: Array, mean_power: Array, floor: Array, highest: float) -> Array:
     """Share of the signal in the power, by which the spectrum is multiplied."""
     share = np.clip((mean_power - floor) / np.maximum(mean_power, 1e-300), 0.0, 1.0)

@@ -20,7 +20,7 @@ from reliab.effects.clock_offset import ClockOffset
 from reliab.effects.effect import Effect, Role, Setting, SteppedEffect
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.registry import find_effect, library
-from reliab.signals.noise import NoiseModel, velocity_spread
+from reliab.signals.noise import NoiseModel
 from reliab.simulation.hybrid_test.model import Actuator, HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_force
 from reliab.structures.frame import Specimen
@@ -104,25 +104,6 @@ def test_remembered_spectra_are_those_of_the_predicted_force(campaign, effects, 
         for segment, spectrum in zip(segments, block.spectra(model, segments), strict=True):
             reference = segment.spectrum(block.predict(model, segment.test))
             np.testing.assert_allclose(spectrum, reference, rtol=1e-9, atol=1e-9 * np.abs(reference).max())
-
-
-def test_mean_over_velocities_equals_that_of_the_whole_load(campaign):
-    rng = np.random.default_rng(8)
-    reading = campaign.tests[0].channels[Channel.MEASURED] + 1e-4 * rng.standard_normal(int(20.0 * RATE))
-    test = replace(campaign.tests[0], channels={**campaign.tests[0].channels, Channel.MEASURED: reading})
-    noisy = replace(campaign, tests=(test, *campaign.tests[1:]))
-    motions = motions_of(noisy)
-    block = SpecimenBlock(noisy, scales_of(noisy, motions), motions, is_smoothed=True)
-    spread = velocity_spread(reading, 1.0 / RATE, block.highest_signal)
-    reach = np.array([[0.0], [np.sqrt(3.0) * spread], [0.0]])
-    model = HybridTest(specimen=SPECIMEN, effects=(ORIFICE, FRICTION, SLACK))
-    loads = [
-        load(model, Motion3(values=motions[0].values + node * reach, step=1.0 / RATE))
-        for node in (-1.0, 0.0, 1.0)
-    ]
-    reference = np.average(loads, axis=0, weights=(1.0, 4.0, 1.0))
-    assert np.abs(loads[1] - reference).max() > 0.01  # of some 20 N
-    np.testing.assert_allclose(block.predict(model, 0), reference, rtol=1e-9, atol=1e-9)
 
 
 LIBRARY: list[type[Effect]] = [

@@ -1,6 +1,6 @@
 """The specimen with the load cell: motion of the piston → force."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
@@ -21,18 +21,15 @@ from reliab.effects.effect import Effect, Role, Scales, SteppedEffect
 from reliab.effects.force_bias import ForceBias
 from reliab.effects.general.general_terms import general_terms
 from reliab.effects.kernel import Kernel
-from reliab.effects.quadratic_damping import QuadraticDamping
 from reliab.effects.registry import library
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
 from reliab.effects.viscous_damping import ViscousDamping
-from reliab.signals.noise import harmonics_up_to, reliable_frequency, velocity_spread
+from reliab.signals.noise import harmonics_up_to, reliable_frequency
 from reliab.simulation.hybrid_test.model import HybridTest
 from reliab.simulation.hybrid_test.open_loop import Motion3, follow, load, read_displacement, read_force
 from reliab.structures.frame import Specimen
 
-_NODES = np.sqrt(3.0) * np.array([-1.0, 0.0, 1.0])  # of Gauss and Hermite
-_WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 _SKETCHED_RATE = 250.0  # Hz
 _CACHED_FORCES = 4  # of recordings, from the last models in two threads
 _AT_CUT = 25  # samples on either side of the cut between two tests
@@ -45,7 +42,6 @@ class SpecimenTerm(NamedTuple):
 
     source: Kernel | int  # Kernel, or row of the motion to which the force is proportional
     numbers: tuple[float, ...] = ()  # Coefficients of the kernel
-    averaged: bool = False  # Whether it is the mean over velocities that are known up to their spread
     sensor: tuple[Effect, ...] = ()  # What the displacement sensor adds to the smoothed motion that it read
 
 
@@ -88,10 +84,6 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         self.smoothed = is_smoothed
         goes_on = [False, *(_continues(a, b) for a, b in pairwise(self.tests))]
         self._beginnings = np.maximum.accumulate(np.where(goes_on, 0, np.arange(len(goes_on)))).tolist()
-        self._velocity_spreads = [
-            velocity_spread(reading, 1.0 / self.rate, self.highest_signal)
-            for reading in (self._readings if is_smoothed else ())
-        ]
         self.move(pistons)
 
     def move(self, pistons: Sequence[Motion3]) -> None:
@@ -160,23 +152,18 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
             for row, factor in enumerate(linear)
             if factor != 0.0
         ]
-        setting, spread = tested_model.setting(self.motions[test].step), self._velocity_is_spread(model)
+        setting = tested_model.setting(self.motions[test].step)
         for effect in model.acting(Role.FORCE, Role.FORCE_READING):
             if isinstance(effect, SteppedEffect) and not isinstance(effect, ClockOffset):
-                is_averaged = spread and effect.role is Role.FORCE and not effect.kernel.by_path
                 numbers, factor = effect.coefficients(setting).tolist(), 1.0
                 if effect.kernel.linear is not None:
                     factor, numbers[effect.kernel.linear] = numbers[effect.kernel.linear], 1.0
-                terms.append((factor, SpecimenTerm(effect.kernel, tuple(numbers), is_averaged, sensor)))
+                terms.append((factor, SpecimenTerm(effect.kernel, tuple(numbers), sensor)))
         return terms
 
     def _sensor(self, model: HybridTest) -> tuple[Effect, ...]:
         """Give what a model's sensor adds to the motion, where the smoothed one that it read is known."""
         return model.acting(Role.DISPLACEMENT_READING) if self.smoothed else ()
-
-    def _velocity_is_spread(self, model: HybridTest) -> bool:
-        """Whether a force depends so much on the velocity that its mean over the velocity's spread counts."""
-        return self.smoothed and any(isinstance(effect, QuadraticDamping) for effect in model.effects)
 
     def signal(self, term: HybridTest | SpecimenTerm, test: int) -> Array:
         """Return a force in a test, or that of a whole model [N], shape (n,)."""
@@ -186,7 +173,13 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
     def _forces_in_recording(self, term: HybridTest | SpecimenTerm, first: int) -> list[Array]:
         """Compute a force in all tests of one recording: what the specimen remembers goes on between them."""
         sensor = self._sensor(term) if isinstance(term, HybridTest) else term.sensor
-        force = self._force(term, self._pistons(sensor, first), first)
+        piston = self._pistons(sensor, first)
+        if isinstance(term, HybridTest):
+            force = read_force(term, piston, load(term, piston))
+        elif isinstance(term.source, Kernel):
+            force = follow(term.source, term.numbers, piston)
+        else:
+            force = np.asarray(piston.values[term.source])
         sizes = [motion.values.shape[1] for motion in self._motions_of_recording(first)]
         return np.split(force, np.cumsum(sizes[:-1]))
 
@@ -196,40 +189,9 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
     def _piston_in_recording(self, sensor: tuple[Effect, ...], first: int) -> Motion3:
         """Motion of the piston in all tests of one recording, without what the sensor added."""
         motions = self._motions_of_recording(first)
-        piston = Motion3(
-            values=np.concatenate([motion.values for motion in motions], axis=1), step=motions[0].step
-        )
+        values = np.concatenate([motion.values for motion in motions], axis=1)
+        piston = Motion3(values=values, step=motions[0].step)
         return _remove_reading(HybridTest(effects=sensor), piston) if sensor else piston
-
-    def _force(self, term: HybridTest | SpecimenTerm, piston: Motion3, test: int) -> Array:
-        if isinstance(term, HybridTest):
-            force = self._average_force(
-                piston, test, lambda motion: load(term, motion), self._velocity_is_spread(term)
-            )
-            return read_force(term, piston, force)
-        kernel = term.source
-        if not isinstance(kernel, Kernel):
-            return np.asarray(piston.values[kernel])
-        return self._average_force(
-            piston, test, lambda motion: follow(kernel, term.numbers, motion), term.averaged
-        )
-
-    def _average_force(
-        self,
-        piston: Motion3,
-        test: int,
-        force: Callable[[Motion3], Array],
-        spread: bool,  # noqa: FBT001
-    ) -> Array:
-        """Compute a force, or its mean where velocities are spread, by the rule of Gauss and Hermite."""
-        if not spread:
-            return force(piston)
-        total = np.zeros(piston.values.shape[1])
-        for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
-            values = piston.values.copy()
-            values[1] += node * self._velocity_spreads[test]
-            total += weight * force(Motion3(values=values, step=piston.step))
-        return total
 
 
 def _continues(earlier: MeasuredTest, later: MeasuredTest) -> bool:
