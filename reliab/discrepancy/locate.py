@@ -20,7 +20,6 @@ from reliab.core.vocabulary import MILLI
 from reliab.discrepancy.fitting.fit import Fit
 from reliab.discrepancy.fitting.problem import Problem, real_parts
 from reliab.signals.noise import NoiseModel
-from reliab.simulation.hybrid_test.open_loop import Motion3
 
 _SIGNIFICANT = 1e-4
 _LEAST_SHARE = 0.02  # of the residual's power above the noise, of a finding
@@ -186,26 +185,16 @@ def _quantiles(values: Array, weights: Array, shares: tuple[float, ...]) -> list
 
 def _columns(problem: Problem, noise: NoiseModel, family: _Columns) -> Array:
     """Whiten what a family would add to the channel, shape (rows, columns)."""
-    block = problem.block
+    block, scales = problem.block, problem.block.scales
+    sizes = [[scales.displacement], [scales.velocity], [scales.acceleration]]
     columns: dict[int, tuple[Array, ...]] = {}
     for test in {segment.test for segment in problem.segments}:
-        columns[test] = family(*_scale_motion(block.motions[test], block.scales.duration, problem))
-    parts = [
-        np.stack(
-            [
-                real_parts(segment.spectrum(column), np.sqrt(segment.density(noise)))
-                for column in columns[segment.test]
-            ],
-            axis=1,
-        )
-        for segment in problem.segments
-    ]
+        motion = block.motions[test]
+        time = np.arange(motion.values.shape[1], dtype=np.float64) * (motion.step / scales.duration)
+        columns[test] = family(time, *(motion.values / sizes))
+    parts = []
+    for segment in problem.segments:
+        root = np.sqrt(segment.density(noise))
+        rows = [real_parts(segment.spectrum(column), root) for column in columns[segment.test]]
+        parts.append(np.stack(rows, axis=1))
     return np.concatenate(parts)
-
-
-def _scale_motion(motion: Motion3, duration: float, problem: Problem) -> tuple[Array, Array, Array, Array]:
-    """Time, displacement, velocity and acceleration over their scales."""
-    scales = problem.block.scales
-    time: Array = np.arange(motion.values.shape[1], dtype=np.float64) * (motion.step / duration)
-    x, v, a = motion.values / [[scales.displacement], [scales.velocity], [scales.acceleration]]
-    return time, x, v, a

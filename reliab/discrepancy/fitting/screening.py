@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
@@ -38,21 +38,39 @@ class Promise:
 
 
 def screen_effects(problem: Problem, parent: Fit, kinds: Sequence[type[Effect]], null: Fit) -> list[Promise]:
-    """Rank effects by what they promise to explain beside a model."""
+    """Rank effects by what they promise to explain beside a model.
+
+    Beside the calibrated one, a start from the nominal rig counts, too: a calibration that has made up for an
+    actuator at its limits has moved the model away from them.
+    """
+    sketch, noise = problem.sketch, parent.noise
     fresh = [kind for kind in kinds if kind not in parent.space.effects]
     if not fresh:
         return []
-    sketch_residual = problem.sketch.whiten(parent.space, parent.coordinates, parent.noise)
+    before = sketch.whiten(parent.space, parent.coordinates, noise)
+
+    def screen(kind: type[Effect]) -> Promise:
+        space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
+        starts = list(space.starts(parent.space, parent.coordinates))
+        residuals = np.stack([sketch.whiten(space, start, noise) for start in starts])
+        gains, factors = gains_beside(parent, residuals - before)
+        promising = [
+            (gain, space.scale_size(start, kind, factor))
+            for start, gain, factor in zip(starts, gains.tolist(), factors.tolist(), strict=True)
+            if gain > 0.0 and (factor > 0.0 or kind.parameters[0].signed)
+        ]
+        others = tuple(start for _, start in promising)
+        if parent is null:
+            for start in space.starts(parent.space, np.zeros(parent.space.size)):
+                after = sketch.whiten(space, start, noise)
+                promising.append((0.5 * float(before @ before - after @ after), start))
+        gain, start = max(promising, key=itemgetter(0), default=(0.0, np.zeros(0)))
+        if not gain > 0.0:
+            return Promise(kind=kind, gain=0.0, start=np.zeros(0))
+        return Promise(kind=kind, gain=gain, start=start, others=others)
+
     with ThreadPoolExecutor(_WORKERS) as pool:
-        promises = pool.map(lambda kind: _screen_effect(problem, parent, sketch_residual, kind, null), fresh)
-        rows = sorted(promises, key=lambda candidate: -candidate.gain)
-    if not problem.flat:
-        return rows
-    total_energy = 0.5 * float(parent.residual @ parent.residual)
-    return [
-        replace(candidate, gain=-total_energy * np.log1p(-min(candidate.gain / total_energy, 0.99)))
-        for candidate in rows
-    ]
+        return sorted(pool.map(screen, fresh), key=lambda promise: -promise.gain)
 
 
 def gains_beside(parent: Fit, changes: Array) -> tuple[Array, Array]:
@@ -65,40 +83,6 @@ def gains_beside(parent: Fit, changes: Array) -> tuple[Array, Array]:
     sizes = np.maximum((own_changes**2).sum(axis=1), 1e-300)
     factors = -(own_changes @ parent.residual) / sizes
     return 0.5 * factors**2 * sizes, factors
-
-
-def _screen_effect(
-    problem: Problem, parent: Fit, sketch_residual: Array, kind: type[Effect], null: Fit
-) -> Promise:
-    space = ModelSpace(parent.space.block, (*parent.space.effects, kind))
-    starts = list(space.starts(parent.space, parent.coordinates))
-    residuals = np.stack([problem.sketch.whiten(space, start, parent.noise) for start in starts])
-    gains, factors = gains_beside(parent, residuals - sketch_residual)
-    promising = [
-        (gain, space.scale_size(start, kind, factor))
-        for start, gain, factor in zip(starts, gains.tolist(), factors.tolist(), strict=True)
-        if gain > 0.0 and (factor > 0.0 or kind.parameters[0].signed)
-    ]
-    best = Promise(kind=kind, gain=0.0, start=np.zeros(0))
-    if promising:
-        gain, start = max(promising, key=itemgetter(0))
-        best = replace(best, gain=gain, start=start, others=tuple(start for _, start in promising))
-    return _screen_uncalibrated(problem, parent, sketch_residual, space, best) if parent is null else best
-
-
-def _screen_uncalibrated(
-    problem: Problem, parent: Fit, sketch_residual: Array, space: ModelSpace, best: Promise
-) -> Promise:
-    """Start from the nominal rig where that promises more.
-
-    A calibration that has made up for an actuator at its limits has moved the model away from them.
-    """
-    for start in space.starts(parent.space, np.zeros(parent.space.size)):
-        residual = problem.sketch.whiten(space, start, parent.noise)
-        gain = 0.5 * float(sketch_residual @ sketch_residual - residual @ residual)
-        if gain > best.gain:
-            best = replace(best, gain=gain, start=start)
-    return best
 
 
 def line_terms(problem: Problem, fit: Fit) -> tuple[type[Disturbance], ...]:

@@ -61,21 +61,32 @@ def find_unexplained(
     name they must explain enough of every kind of held-out test, however small the remainder is.
     """
     problem, fit = noise_judgement
-    dropout, terms = standstill(problem, fit), _terms(general_terms, best) if general_terms else None
-    explanation = dropout or terms or line_above(problem, fit)
-    if explanation is None:
+    formula, block = "", str(problem.block.block)
+    if dropout := standstill(problem, fit):
+        expression, description = dropout
+    elif general_terms:
+        parameters = [estimates(effect, best) for effect in general_terms]
+        values = [", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in items) for items in parameters]
+        sizes = [", ".join(f"{e.meaning} {e.size}" for e in items) for items in parameters]
+        shapes = [effect.expression for effect in general_terms]
+        expression = " + ".join(f"{shape} ({value})" for shape, value in zip(shapes, values, strict=True))
+        formula = "; and ".join(f"{shape}, with {size}" for shape, size in zip(shapes, sizes, strict=True))
+        description = "; ".join(effect.description for effect in general_terms)
+        block = str(general_terms[0].block)
+    elif line := line_above(problem, fit):
+        expression, description = line
+    else:
         large = remaining is not None and _is_large(problem.block, proof_gap)
         if explains_enough(proof_gap) if is_named else not large:
             return None
-        explanation = "", f"the remainder follows the motion: {comparison}{_looks(remaining or ())}"
-    expression, description = explanation
-    is_term = explanation is terms
+        expression = ""
+        description = f"the remainder follows the motion: {comparison}{_looks(remaining or ())}"
     return Unknown(
-        block=str(general_terms[0].block if is_term else problem.block.block),
+        block=block,
         expression=expression,
         description=description,
         held_out_nrmse=proof_gap.after,
-        formula=_formula(general_terms, best) if is_term else "",
+        formula=formula,
     )
 
 
@@ -101,24 +112,6 @@ def _looks(remaining: Sequence[Finding]) -> str:
     if not telling:
         return ""
     return f"; {percent(telling[0].share_of_residual, decimals=0)} of it: {telling[0].detail.rstrip('.')}"
-
-
-def _terms(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> tuple[str, str]:
-    """Write terms outside the library with their coefficients, and in words."""
-    terms = []
-    for effect in general_terms:
-        values = ", ".join(f"{e.name} = {e.value:.4g} {e.units}" for e in estimates(effect, best))
-        terms.append(f"{effect.expression} ({values})")
-    return " + ".join(terms), "; ".join(effect.description for effect in general_terms)
-
-
-def _formula(general_terms: Sequence[type[GeneralTerm]], best: Fit) -> str:
-    """Write terms outside the library, each with its parameters in words."""
-    parameters = (
-        ", ".join(f"{one.meaning} {one.size}" for one in estimates(effect, best)) for effect in general_terms
-    )
-    terms = zip(general_terms, parameters, strict=True)
-    return "; and ".join(f"{effect.expression}, with {values}" for effect, values in terms)
 
 
 def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
@@ -147,9 +140,12 @@ def line_above(problem: Problem, best: Fit) -> tuple[str, str] | None:
     place = int(np.argmax(clear))
     if clear[place] < _threshold(len(problem.segments), grid.size):
         return None
+    frequency, amplitudes = float(grid[place]), []
     parts = [residual[s.test][s.begin : s.end] for s in problem.segments]
-    frequency = float(grid[place])
-    amplitude = float(np.sqrt(np.mean([_amplitude(part, frequency / block.rate) ** 2 for part in parts])))
+    for part in parts:
+        turns = np.exp(-2j * np.pi * frequency / block.rate * np.arange(part.size))
+        amplitudes.append(2.0 * np.abs((hann(part.size) * part) @ turns) / hann(part.size).sum())
+    amplitude = float(np.sqrt(np.mean(np.square(amplitudes))))
     if 0.5 * amplitude**2 < _AUDIBLE * float(np.mean([part.var() for part in parts])):
         return None
     return f"{amplitude:.4g} N sin(2π {frequency:.4g} Hz t + phase)", Disturbance.description
@@ -168,13 +164,6 @@ def _powers(problem: Problem, values: dict[int, Array], grid: Array) -> Array:
         power = np.abs(fft.rfft(stretch * hann(stretch.size))) ** 2 / stretch.size
         rows.append(np.interp(grid, fft.rfftfreq(stretch.size, 1.0 / segment.rate), power))
     return np.stack(rows)
-
-
-def _amplitude(values: Array, frequency: float) -> float:
-    """Amplitude of a wave in values, whose frequency is one over samples."""
-    weights = hann(values.size)
-    turns = np.exp(-2j * np.pi * frequency * np.arange(values.size))
-    return float(2.0 * np.abs((weights * values) @ turns) / weights.sum())
 
 
 def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
