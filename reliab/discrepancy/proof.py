@@ -5,7 +5,6 @@ from enum import StrEnum
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from reliab.core.arrays import Array
@@ -13,6 +12,7 @@ from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.segment import energy_of
+from reliab.signals.kind_of_motion import kind_of_motion
 from reliab.signals.noise import converter_step, near_mains
 from reliab.signals.spectra import detrend, hann, periodogram
 
@@ -20,18 +20,17 @@ _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range
 _SHORTEST_REST = 0.25  # s
 _FEWEST_SAMPLES = 64
-_LINE = 0.1  # of a sine's frequency to either side
-_NEARLY_ALL = 0.9  # of the power
-_FEWEST_CROSSINGS, _RANK_ORDER = 8, 0.9  # of zero, and the rank correlation of their distances with time
-_CLEAR = 0.2  # standard deviations from zero that noise does not cross
 _NOTHING = 1e-300  # energy of a channel that does not move
 _WHITE = 1.25  # ratio of the power in both halves of a band of white noise
 
 
 def compute_nrmse(proof: Problem, residual: dict[int, Array]) -> float:
     """RMS of residuals over RMS of the signal, over all held-out stretches."""
-    residual_energies, signal_energy = _energies(proof, residual), _energies(proof, _measurements(proof))
-    return float(np.sqrt(sum(residual_energies.values()) / max(sum(signal_energy.values()), _NOTHING)))
+    return float(np.sqrt(sum(_energies(proof, residual).values()) / _signal_energy(proof)))
+
+
+def _signal_energy(proof: Problem) -> float:
+    return max(sum(_energies(proof, _measurements(proof)).values()), _NOTHING)
 
 
 def _measurements(proof: Problem) -> dict[int, Array]:
@@ -60,68 +59,36 @@ def gap(
 
     `noise_like` holds the tests in which what the model leaves is spread as noise is.
     """
-    block = proof.block
-    signals = _energies(proof, _measurements(proof))
-    energies_before, energies_after = (_energies(proof, rows) for rows in (residuals_before, residuals_after))
+    block, tests = proof.block, []
+    signals, before, after = (
+        _energies(proof, values) for values in (_measurements(proof), residuals_before, residuals_after)
+    )
     noise_floors = floors(
         block.tests, signals, block.channel, block.inputs, rate=block.rate, highest=block.highest_signal
     )
     samples = _energies(proof, {test: np.ones(block.tests[test].size) for test in signals})
-    unit = max(sum(signals.values()), _NOTHING) / sum(samples.values())
+    unit = _signal_energy(proof) / sum(samples.values())
     # Of noise that is white over all frequencies a narrow block has this share
     share = block.highest / (0.5 * block.rate) if block.is_narrow else 1.0
-    floor_sizes = {
-        str(source): float(np.sqrt(share * square / unit)) for source, square in noise_floors.items()
-    }
-    tests = tuple(
-        HeldOutTest(
-            file=block.tests[test].file,
-            kind=kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate),
-            before=float(np.sqrt(energies_before[test] / max(energy, _NOTHING))),
-            after=float(np.sqrt(energies_after[test] / max(energy, _NOTHING))),
-            size=float(np.sqrt(max(energy, _NOTHING) / samples[test] / unit)),
-            noise_like=test in noise_like,
+    for test, energy in signals.items():
+        signal = max(energy, _NOTHING)
+        tests.append(
+            HeldOutTest(
+                file=block.tests[test].file,
+                kind=kind_of_motion(block.tests[test].channels[block.inputs[0]], block.rate),
+                before=float(np.sqrt(before[test] / signal)),
+                after=float(np.sqrt(after[test] / signal)),
+                size=float(np.sqrt(signal / samples[test] / unit)),
+                noise_like=test in noise_like,
+            )
         )
-        for test, energy in signals.items()
-    )
     return Gap(
         channel=str(block.channel),
         before=compute_nrmse(proof, residuals_before),
         after=compute_nrmse(proof, residuals_after),
-        floors=floor_sizes,
-        tests=tests,
+        floors={str(name): float(np.sqrt(share * square / unit)) for name, square in noise_floors.items()},
+        tests=tuple(tests),
     )
-
-
-def kind_of_motion(driven: Array, rate: float) -> str:
-    """Tell a sine, a sweep and an irregular motion, such as an earthquake's, from each other.
-
-    `rate` [Hz].
-
-    >>> time = np.arange(0.0, 30.0, 0.005)
-    >>> [kind_of_motion(np.sin(w * time), 200.0) for w in (5.0, 0.5 * time)]
-    ['sine', 'sweep']
-    """
-    centred_values = driven - driven.mean()
-    power = periodogram(centred_values, hann(driven.size))
-    frequency = fft.rfftfreq(driven.size, 1.0 / rate)[1:]
-    main = float(frequency[np.argmax(power)])
-    near = np.abs(frequency - main) <= max(_LINE * main, 3.0 * float(frequency[0]))
-    if power[near].sum() > _NEARLY_ALL * power.sum():
-        return "sine"
-    clear = np.flatnonzero(np.abs(centred_values) > _CLEAR * centred_values.std())
-    crossings = clear[1:][np.diff(np.signbit(centred_values[clear]))]
-    if crossings.size >= _FEWEST_CROSSINGS:
-        order = np.corrcoef(np.arange(crossings.size - 1), _ranks(np.diff(crossings)))[0, 1]
-        if abs(float(order)) > _RANK_ORDER:
-            return "sweep"
-    return "irregular motion"
-
-
-def _ranks(values: NDArray[np.int64]) -> Array:
-    """Place of each value among all in their order; the mean place where several are equal."""
-    _, value, counts = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(counts) - 0.5 * (counts - 1))[value])
 
 
 class Source(StrEnum):
