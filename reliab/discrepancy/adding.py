@@ -1,6 +1,7 @@
 """What a diagnosis adds to the model: posteriors, the updated model, and what that does to the criterion."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
@@ -72,7 +73,7 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     Addition
         Posteriors, updated model and shift of the criterion.
     """
-    acting = [block for block in diagnosis.blocks if block.effects or block.doubtful]
+    acting = [block for block in diagnosis.blocks if block.all_effects]
     posteriors = {}
     for count, block in enumerate(acting, start=1):
         name = str(block.block.block)
@@ -86,8 +87,13 @@ def add(diagnosis: Diagnosis, *, out: Path | None = None, progress: Progress = s
     model = update_model(sampled_diagnosis)
     if out is not None:
         write_model(out / MODEL_FILE, model)
+    shift = None
+    if diagnosis.campaign.structure is not None and diagnosis.all_effects:
+        # Where no motion has a boundary, there is no criterion.
+        with suppress(InputError):
+            shift = criterion_shift(model.test, shaking_of(diagnosis.campaign))
     return Addition(
-        diagnosis=replace(sampled_diagnosis, criterion_shift=_shift(diagnosis, model)),
+        diagnosis=replace(sampled_diagnosis, criterion_shift=shift),
         posteriors=posteriors,
         model=model,
     )
@@ -117,15 +123,6 @@ def _apply_intervals(effect: MissingEffect, posterior: Posterior) -> MissingEffe
         interval = estimate.within_bounds((low, high))
         estimates.append(replace(estimate, sd=math.hypot(sd, estimate.between), interval=interval))
     return replace(effect, estimates=tuple(estimates))
-
-
-def _shift(diagnosis: Diagnosis, model: UpdatedModel) -> dict[str, float] | None:
-    if diagnosis.campaign.structure is None or not (diagnosis.effects or diagnosis.doubtful):
-        return None
-    try:
-        return criterion_shift(model.test, shaking_of(diagnosis.campaign))
-    except InputError:  # no boundary under these motions, hence no criterion
-        return None
 
 
 def update_model(diagnosis: Diagnosis) -> UpdatedModel:
@@ -170,33 +167,24 @@ def _join_block(test: HybridTest, block_result: BlockDiagnosis) -> HybridTest:
 
 def _effects_to_add(block_result: BlockDiagnosis) -> set[type[Effect]]:
     """Effects that go into the model: named ones, doubtful ones, and what refines or explains beside them."""
-    effects = {missing.effect for missing in (*block_result.effects, *block_result.doubtful)}
-    refinements = {kind for kind in block_result.best.space.effects if is_general(kind)} | set(
+    named = {missing.effect for missing in block_result.all_effects} & set(library().values())
+    return named | {kind for kind in block_result.best.space.effects if is_general(kind)}.union(
         block_result.refining
     )
-    return (effects & set(library().values())) | refinements
 
 
 def _deviations(block_result: BlockDiagnosis) -> dict[str, float]:
     """Return standard deviations in SI units of what a block calibrated and named."""
     fit = block_result.best
     spread = fit.space.standard_deviations(fit.coordinates, fit.covariance).tolist()
-    calibrated_model = {
+    deviations = {
         calibration.key: calibration.unit * sd
         for calibration, sd in zip(block_result.block.calibrations, spread, strict=False)
         if calibration.key
     }
-    refining = {
-        f"{kind.name}.{item.name}": item.sd
-        for kind in _effects_to_add(block_result)
-        for item in estimates(kind, fit)
-    }
-    effects = {
-        f"{missing.effect.name}.{item.name}": item.sd
-        for missing in (*block_result.effects, *block_result.doubtful)
-        for item in missing.estimates
-    }
-    return {**calibrated_model, **refining, **effects}
+    parameters = [(kind, estimates(kind, fit)) for kind in _effects_to_add(block_result)]
+    parameters += [(missing.effect, missing.estimates) for missing in block_result.all_effects]
+    return deviations | {f"{kind.name}.{item.name}": item.sd for kind, items in parameters for item in items}
 
 
 _MOST_MOTIONS = 6

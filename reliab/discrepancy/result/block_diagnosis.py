@@ -94,7 +94,7 @@ class BlockDiagnosis(PlainResult):
     keys: ClassVar[Keys] = {
         "block": "block.block",
         "verdict": "verdict",
-        "effects": "effects_in_doubt_too.[name]",
+        "effects": "all_effects.[name]",
         **same_names("unknown", "gap"),
         **{name: f"gap.{name}" for name in ("unexplained_share", "worst_unexplained_share")},
         "residual_is_noise": "leaves_noise",
@@ -142,7 +142,7 @@ class BlockDiagnosis(PlainResult):
     inseparable: tuple[str, ...] = ()
 
     @property
-    def effects_in_doubt_too(self) -> tuple[MissingEffect, ...]:
+    def all_effects(self) -> tuple[MissingEffect, ...]:
         """Effects that are named, then those of which one acts."""
         return *self.effects, *self.doubtful
 
@@ -189,14 +189,11 @@ class BlockDiagnosis(PlainResult):
         is_ranked = any(row.fit is self.best for row in self.ranked)
         for row in (*(() if is_ranked else (self.believed,)), *self.ranked, *self.rejected):
             groups.setdefault(frozenset(row.names) - linear or frozenset(row.names), []).append(row)
-        rows = [
-            replace(
-                (chosen := next((row for row in group if row.fit is self.best), group[0])),
-                is_believed=chosen.fit is self.best,
-                probability=sum(row.probability for row in group),
-            )
-            for group in groups.values()
-        ]
+        rows = []
+        for group in groups.values():
+            chosen = next((row for row in group if row.fit is self.best), group[0])
+            share = sum(row.probability for row in group)
+            rows.append(replace(chosen, is_believed=chosen.fit is self.best, probability=share))
         return tuple(sorted(rows, key=lambda row: row.held_out))
 
     @property
@@ -238,28 +235,20 @@ class BlockDiagnosis(PlainResult):
         covariance = space.covariance_of_values(x, self.best.covariance)[np.ix_(places, places)]
         precision = np.linalg.inv(covariance + MODEL_ERROR**2 * np.eye(len(places)))
         size = np.diag(precision)
-        away = (precision @ (space.values(x)[places] - 1.0) / size).tolist()
-        either = tuple(
-            Estimate(name=name, value=1.0 + change, sd=sd, units="-", signed=True)
-            for name, change, sd in zip(
-                _FREQUENCY_AND_MASS, away, (1.0 / np.sqrt(size)).tolist(), strict=True
-            )
-        )
+        values = 1.0 + precision @ (space.values(x)[places] - 1.0) / size
+        rows = zip(_FREQUENCY_AND_MASS, values.tolist(), (1.0 / np.sqrt(size)).tolist(), strict=True)
+        either = tuple(Estimate(name=name, value=v, sd=sd, units="-", signed=True) for name, v, sd in rows)
         return either if all(map(_is_contradiction, either)) else ()
 
     @property
     def not_fed_back(self) -> Estimate | None:
         """Offset of the recorded force that the controller clearly did not feel, None without one."""
         usual = max(float(self.block.measured(segment.test).std()) for segment in self.problem.segments)
-        return next(
-            (
-                item
-                for item in self.calibration
-                if item.name == "force_not_fed_back_n"
-                and abs(item.value) > max(_CLEAR * item.sd, _SMALLEST_OFFSET * usual)
-            ),
-            None,
-        )
+        for item in self.calibration:
+            least = max(_CLEAR * item.sd, _SMALLEST_OFFSET * usual)
+            if item.name == "force_not_fed_back_n" and abs(item.value) > least:
+                return item
+        return None
 
 
 def _is_contradiction(item: Estimate) -> bool:

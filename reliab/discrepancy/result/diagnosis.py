@@ -1,6 +1,6 @@
 """The results for a whole campaign."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -27,6 +27,10 @@ _OTHER_MODELS = 0.8  # of a standard deviation, from which other models make up 
 _CLOCK = "clock_offset"
 _LATE_CHANNELS = {"lag_s": ("force", "displacement"), "ground_lag_s": ("ground acceleration", "command")}
 _LIKE_A_STRUCTURE = {"added_mass", "viscous_damping", "structure_damping"}
+_ONE_CHANNEL = (
+    "In a single channel an added mass or a damper looks like a natural frequency or a damping ratio that is "
+    "stated wrongly: check the table [structure], or record command and force as well."
+)
 _VERDICTS = {
     Verdict.NAMED: "The effects that the model lacks are listed below.",
     Verdict.UNKNOWN_EFFECT: "The model lacks an effect that is none of the known ones.",
@@ -87,9 +91,7 @@ class Diagnosis(ResultWithRows):
     @property
     def unknown(self) -> Unknown | None:
         """The effect outside the library, in the first block that has one."""
-        return next(
-            (block_result.unknown for block_result in self.blocks if block_result.unknown is not None), None
-        )
+        return next((block.unknown for block in self.blocks if block.unknown is not None), None)
 
     @property
     def verdict(self) -> Verdict:
@@ -109,10 +111,8 @@ class Diagnosis(ResultWithRows):
     @property
     def gap(self) -> Gap:
         """The gap in the block where it shrank by the largest factor."""
-        return max(
-            (block_result.gap for block_result in self.blocks),
-            key=lambda gap: gap.before / max(gap.after, 1e-300),
-        )
+        gaps = [block.gap for block in self.blocks]
+        return max(gaps, key=lambda gap: gap.before / max(gap.after, 1e-300))
 
     @property
     def where(self) -> tuple[Finding, ...]:
@@ -122,27 +122,23 @@ class Diagnosis(ResultWithRows):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences on what limits the answer: faults, doubts, bounds, convergence, errors of models."""
-        contradictions = (contradiction(item) for block in self.blocks for item in block.misstated)
-        either = (one_of_two(block.either_misstated) for block in self.blocks if block.either_misstated)
-        scale = scale_of_displacement(self.blocks)
+        tests = self.campaign.tests
         remarks = [
             *self.faults,
-            *contradictions,
-            *scale,
-            *either,
+            *(contradiction(item) for block in self.blocks for item in block.misstated),
+            *scale_of_displacement(self.blocks),
+            *(one_of_two(block.either_misstated) for block in self.blocks if block.either_misstated),
             *(effect.remark for effect in self.doubtful),
+            *(limit for block in self.blocks for limit in _limits_of(block)),
         ]
-        for block in self.blocks:
-            remarks += _limits_of(block)
-        if len(self.campaign.tests) == 1:
+        if len(tests) == 1:
             remarks.append(
-                f"{self.campaign.tests[0].file} is the only test: effects were verified on the "
-                f"{self.campaign.held_out} and sought in the rest. Add a second test for a proof on other "
-                "motion."
+                f"{tests[0].file} is the only test: effects were verified on the {self.campaign.held_out} "
+                "and sought in the rest. Add a second test for a proof on other motion."
             )
         remarks += [
             f"{test.file} has only {test.size} samples: it says little about any effect."
-            for test in self.campaign.tests
+            for test in tests
             if test.size < SHORT_RECORD
         ]
         return tuple(dict.fromkeys(remarks))
@@ -177,59 +173,47 @@ class Diagnosis(ResultWithRows):
         return html_table(self.campaign.name, rows, self.remarks)
 
 
-def _limits_of_parameters(effects: Sequence[MissingEffect]) -> list[str]:
-    """Sentences on parameters that the tests hardly determine."""
-    remarks = []
+def _limits_of(block: BlockDiagnosis) -> Iterator[str]:
+    """Say what limits the answer for a block."""
+    name, gap, effects = _NAMES.get(block.block.block, str(block.block.block)), block.gap, block.all_effects
+    yield from block.choice_remarks
     for effect in effects:
-        name = effect.name.replace("_", " ")
-        remarks += [
-            f"The {estimate.meaning} of {name} lies on a bound of its range, so its value and interval mean "
-            "little."
-            for estimate in effect.estimates
-            if estimate.name in effect.on_bounds
-        ]
-        remarks += [
-            f"The {estimate.meaning} of {name} is only known roughly, {estimate.size}: models that explain "
-            "the tests equally well, with differing clocks or with a further effect, give other values."
-            for estimate in effect.estimates
-            if estimate.between > _OTHER_MODELS * estimate.sd
-        ]
-    return remarks
-
-
-def _limits_of(block: BlockDiagnosis) -> list[str]:
-    """Sentences on what limits the answer for a block."""
-    name, gap = _NAMES.get(block.block.block, str(block.block.block)), block.gap
-    remarks = [*block.choice_remarks, *_limits_of_parameters((*block.effects, *block.doubtful))]
+        words = effect.name.replace("_", " ")
+        for estimate in (item for item in effect.estimates if item.name in effect.on_bounds):
+            yield (
+                f"The {estimate.meaning} of {words} lies on a bound of its range, so its value and interval "
+                "mean little."
+            )
+        for estimate in (item for item in effect.estimates if item.between > _OTHER_MODELS * item.sd):
+            yield (
+                f"The {estimate.meaning} of {words} is only known roughly, {estimate.size}: models that "
+                "explain the tests equally well, with differing clocks or with a further effect, give other "
+                "values."
+            )
     if block.linear and block.is_judged_by_parts:
-        remarks.append(linear_statement(name, block))
+        yield linear_statement(name, block)
     if block.not_fed_back is not None:
-        remarks.append(
+        yield (
             f"The recorded force contains an offset of {significant(block.not_fed_back.value)} ± "
             f"{significant(block.not_fed_back.sd, 1)} N that the controller did not feel."
         )
-    remarks += [offset.remark for offset in block.uncertain_offsets]
-    remarks += [clock_remark(effect) for effect in block.effects if effect.name == _CLOCK]
-    effects = {effect.name for effect in (*block.effects, *block.doubtful)}
-    if block.block.inputs == (Channel.GROUND,) and effects & _LIKE_A_STRUCTURE:
-        remarks.append(
-            "In a single channel an added mass or a damper looks like a natural frequency or a damping ratio"
-            " that is stated wrongly: check the table [structure], or record command and force as well."
-        )
+    yield from (offset.remark for offset in block.uncertain_offsets)
+    yield from (clock_remark(effect) for effect in block.effects if effect.name == _CLOCK)
+    if block.block.inputs == (Channel.GROUND,) and {effect.name for effect in effects} & _LIKE_A_STRUCTURE:
+        yield _ONE_CHANNEL
     if block.block.block is not Block.NUMERICAL and gap.after > 1.0:
-        remarks.append(
+        yield (
             f"On held-out tests the error of the model of the {name} is larger than the signal: check the "
             "units and signs of the columns, and the nominal values."
         )
     if block.converged is False:
-        remarks.append(
+        yield (
             f"The posterior of the {name} has not converged: intervals of its parameters are rough. Measure "
             "cycles of other amplitudes and speeds, which tell the parameters apart."
         )
-    remarks += block.inseparable
+    yield from block.inseparable
     if not block.leaves_noise:
-        remarks.append(remainder_statement(name, gap, block.structured_share))
-    return remarks
+        yield remainder_statement(name, gap, block.structured_share)
 
 
 def linear_statement(name: str, block: BlockDiagnosis) -> str:
