@@ -80,11 +80,23 @@ def delay(nominal: HybridTest) -> Calibration:
     )  # fmt: skip
 
 
-def stiffness(nominal: HybridTest) -> Calibration:
-    """Stiffness of the specimen, in units of its nominal value; a calibration within 10 %."""
-    unit = stiffness_of(nominal)
+def stiffness(nominal: HybridTest, scales: Scales | None = None) -> Calibration:
+    """Stiffness of the specimen over its nominal value, within 10 %.
+
+    With `scales` it may have any value whatever is stated, and is in N/m where nothing is.
+    """
+    unit, parameter = stiffness_of(nominal), _factor("stiffness", "stiffness", 0.05, 0.9, 1.1)
+    if scales is not None:
+        name, units, meaning = "stiffness", "-", parameter.meaning
+        if not unit > 0.0:
+            name, units, meaning, unit = "stiffness_n_per_m", "N/m", "stiffness of the specimen", 1.0
+        size = scales.force / scales.displacement / unit
+        parameter = Parameter(
+            name=name, units=units, meaning=meaning, signed=True,
+            typical=size, lower=0.0, upper=20.0 * size, starts=(0.5 * size,),
+        )  # fmt: skip
     return Calibration(
-        parameter=_factor("stiffness", "stiffness", 0.05, 0.9, 1.1),
+        parameter=parameter,
         apply=lambda model, value: _set_stiffness(model, value * unit),
         key="stiffness_n_per_m",
         unit=unit,
@@ -99,24 +111,6 @@ def open_stiffness(nominal: HybridTest) -> Calibration:
         typical=1.0, spread=1.5, lower=1e-4, upper=1e4, starts=(1.0,),
     )  # fmt: skip
     return replace(bounded_calibration, parameter=parameter)
-
-
-def free_stiffness(nominal: HybridTest, scales: Scales) -> Calibration:
-    """Stiffness of a specimen, whatever is stated of it: over the stated one, else in N/m."""
-    nominal_stiffness = stiffness_of(nominal)
-    is_stated = nominal_stiffness > 0.0
-    unit, size = nominal_stiffness or 1.0, scales.force / scales.displacement
-    parameter = Parameter(
-        name="stiffness" if is_stated else "stiffness_n_per_m", units="-" if is_stated else "N/m",
-        meaning="stiffness over its nominal value" if is_stated else "stiffness of the specimen", signed=True,
-        typical=size / unit, lower=0.0, upper=20.0 * size / unit, starts=(0.5 * size / unit,),
-    )  # fmt: skip
-    return replace(
-        stiffness(nominal),
-        parameter=parameter,
-        apply=lambda model, value: _set_stiffness(model, value * unit),
-        unit=unit,
-    )
 
 
 def damping(nominal: HybridTest) -> Calibration:

@@ -12,7 +12,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
-from reliab.discrepancy.blocks.calibration import Calibration, free_stiffness, lag_of_force, stiffness
+from reliab.discrepancy.blocks.calibration import lag_of_force, stiffness
 from reliab.discrepancy.blocks.observed import ObservedBlock, SuperposedBlock
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.effects.added_mass import AddedMass
@@ -68,15 +68,12 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         """Take the motion of the piston; unless it is `is_timed`, the lag of the force is calibrated."""
         super().__init__(campaign, scales)
         specimen = self.nominal.specimen or Specimen(stiffness=0.0)
-        stated_stiffness: tuple[Calibration, ...] = (stiffness(self.nominal),)
-        if not specimen.stiffness > 0.0:
+        is_stated = specimen.stiffness > 0.0
+        if not is_stated:
             self.nominal = HybridTest(mass=campaign.mass, specimen=specimen)
-            stated_stiffness = ()
-        self.open_stiffness = free_stiffness(self.nominal, scales)
-        self.calibrations = (
-            *(stated_stiffness or (self.open_stiffness,)),
-            *(() if is_timed else (lag_of_force(),)),
-        )
+        self.open_stiffness = stiffness(self.nominal, scales)
+        spring = stiffness(self.nominal) if is_stated else self.open_stiffness
+        self.calibrations = (spring,) if is_timed else (spring, lag_of_force())
         forces = (e for e in library().values() if e.role is Role.FORCE and e.refines is None)
         sensor: tuple[type[Effect], ...] = (SensorDrift,) if is_smoothed else ()
         self.candidates = (*forces, *sensor, *((ClockOffset,) if is_timed else ()))

@@ -212,18 +212,10 @@ def relative_powers(problem: Problem) -> tuple[float, ...]:
     Errors count relative to this, so that tests count alike, whatever their length and strength, but for
     those so weak that they show little beside their noise.
     """
-    tests = {s.test for s in problem.segments}
-    power = {
-        test: float(
-            np.mean(
-                np.concatenate(
-                    [problem.measured(test)[s.begin : s.end] for s in problem.segments if s.test == test]
-                )
-                ** 2
-            )
-        )
-        for test in tests
-    }
+    parts: dict[int, list[Array]] = {}
+    for s in problem.segments:
+        parts.setdefault(s.test, []).append(problem.measured(s.test)[s.begin : s.end])
+    power = {test: float(np.mean(np.concatenate(values) ** 2)) for test, values in parts.items()}
     least = _LEAST_POWER * max(power.values())
     return tuple(max(power[s.test] + least, 1e-300) for s in problem.segments)
 

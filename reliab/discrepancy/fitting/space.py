@@ -182,22 +182,21 @@ class ModelSpace:
         A composition may be far from its first member alone: it starts from its own values, too, with the
         member's first parameter, its size.
         """
-        values = dict(zip(base.keys, base.values(coordinates).tolist(), strict=True))
-        inherited_values = {
-            key.replace(f"{kind.name}.", f"{special.name}.", 1): value for key, value in values.items()
+        own, size = f"{special.name}.", f"{special.name}.{special.parameters[0].name}"
+        values = {
+            key.replace(f"{kind.name}.", own, 1): value
+            for key, value in zip(base.keys, base.values(coordinates).tolist(), strict=True)
         }
-        bases = [inherited_values]
+        bases = [values]
         if special.members:
-            size = f"{special.name}.{special.parameters[0].name}"
-            shape = [key for key in inherited_values if key.startswith(f"{special.name}.") and key != size]
-            other_values = {key: value for key, value in inherited_values.items() if key not in shape}
+            other_values = {k: v for k, v in values.items() if k == size or not k.startswith(own)}
             further = [parameter for parameter in special.parameters if parameter not in kind.parameters]
             bases += [other_values] * max(len(parameter.starts) for parameter in further)
         lower, upper = self.bounds
         starts = []
         for k, base_values in enumerate(bases):
-            fresh = dict(zip(self.keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True))
-            start = self.coordinates(np.array([base_values.get(key, fresh[key]) for key in self.keys]))
+            fresh_values = zip(self.keys, self.values(self._start(max(k - 1, 0))).tolist(), strict=True)
+            start = self.coordinates(np.array([base_values.get(key, fresh) for key, fresh in fresh_values]))
             starts.append(np.clip(start, lower + 1e-9, upper - 1e-9))
         return starts
 

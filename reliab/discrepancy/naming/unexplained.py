@@ -177,21 +177,20 @@ def standstill(problem: Problem, best: Fit) -> tuple[str, str] | None:
     """
     if problem.block.is_narrow:
         return None
-    lengths: list[int] = []
+    block, lengths = problem.block, list[int]()
     event_energy = total_energy = 0.0
     for test, residual in problem.residuals(best).items():
-        read = problem.block.measured(test)
+        read = block.measured(test)
         usual = max(problem.steps[test], float(np.median(np.abs(residual))))
-        highest = problem.block.highest / problem.block.rate
-        events = _standing_stretches(read, read - residual, usual, highest)
-        lengths += [end - begin for begin, end in events]
-        event_energy += sum(float((residual[begin:end] ** 2).sum()) for begin, end in events)
+        for begin, end in _standing_stretches(read, read - residual, usual, block.highest / block.rate):
+            lengths.append(end - begin)
+            event_energy += float((residual[begin:end] ** 2).sum())
         total_energy += float((residual**2).sum())
     if len(lengths) < _FEWEST_EVENTS or event_energy < _LEAST_OF_REMAINDER * total_energy:
         return None
-    seconds = significant(float(np.median(lengths)) / problem.block.rate)
+    seconds = significant(float(np.median(lengths)) / block.rate)
     return (
-        f"{problem.block.channel} held {len(lengths)} times, for {seconds} s typically",
+        f"{block.channel} held {len(lengths)} times, for {seconds} s typically",
         "the reading stands still now and then while the model moves on: the sensor drops out",
     )
 
