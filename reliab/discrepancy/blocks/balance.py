@@ -97,24 +97,14 @@ class BalanceBlock(NumericalBlock):
         structure, specimen = self.nominal.structure, self.nominal.specimen
         self._circular_frequency = structure.circular_frequency if structure else 0.0
         self._spring = specimen.stiffness / self.nominal.mass if specimen else 0.0
-        self._highest_judged = self.highest_signal
-        self._transform = lru_cache(maxsize=5 * len(self.tests))(self._transform_closed)
-
-    @property
-    def highest(self) -> float:
-        """Highest frequency at which models are judged [Hz]."""
-        return self._highest_judged
-
-    @property
-    def answer_time(self) -> float:
-        """Time at the end of a record [s] whose demands the command answers after it."""
         step = next(p for p in IntegrationError.parameters if p.name == "step_s")
-        return _STEPS_TO_ANSWER * step.upper
+        self.answer_time = _STEPS_TO_ANSWER * step.upper
+        self._transform = lru_cache(maxsize=5 * len(self.tests))(self._transform_closed)
 
     def limit_band(self, frequency: float) -> "BalanceBlock":
         """Return the same block judged up to a frequency [Hz] only."""
         narrow = copy(self)
-        narrow._highest_judged = min(frequency, self.highest_signal)  # noqa: SLF001 - the same class
+        narrow.highest = min(frequency, self.highest_signal)
         return narrow
 
     def fix_ground_clock(self) -> "BalanceBlock":

@@ -88,7 +88,12 @@ class LoopBlock(ObservedBlock):
         acting = (*_RIG_ROLES, Role.FORCE) if rig else (Role.FORCE,)
         terms = (*general_terms(Block.ACTUATOR), *general_terms(Block.SPECIMEN))
         self.outside = tuple(term for term in terms if term.role in acting)
-        natural = 0.0 if campaign.structure is None else campaign.structure.frequency
+        # That of the whole oscillator where no rig stands between structure and specimen
+        self.structure_damping = 0.0 if rig else self._damping
+        structure = campaign.structure
+        if structure is not None and structure.damping_ratio > 0.0:
+            self.memory = math.log(_DIED_AWAY) / (structure.damping_ratio * structure.circular_frequency)
+        natural = 0.0 if structure is None else structure.frequency
         self.integrate_at(max(_COARSEST_RATE, _FEWEST_STEPS * natural))
         if rig:
             self.calibrations = (
@@ -111,14 +116,6 @@ class LoopBlock(ObservedBlock):
         ]
         self._moved = lru_cache(maxsize=4 * len(self.tests))(self._move)  # of the last model in two threads
 
-    @property
-    def memory(self) -> float:
-        """Time [s] in which a free vibration of the nominal structure decays to a hundredth."""
-        structure = self.nominal.structure
-        if structure is None or not structure.damping_ratio > 0.0:
-            return 0.0
-        return math.log(_DIED_AWAY) / (structure.damping_ratio * structure.circular_frequency)
-
     @cached_property
     def sketch(self) -> ObservedBlock:
         """The same, integrated at a longer step."""
@@ -136,11 +133,6 @@ class LoopBlock(ObservedBlock):
             effects[ViscousDamping] += self._damping
             effects[AddedMass] += self.nominal.mass
         return effects
-
-    @property
-    def structure_damping(self) -> float:
-        """That of the whole oscillator where no rig stands between structure and specimen [N·s/m]."""
-        return 0.0 if self._rig else self._damping
 
     @property
     def _damping(self) -> float:

@@ -41,6 +41,11 @@ class ObservedBlock(ABC):
     every: int = 1  # Predictions are made at each `every`-th sample only
     scales: Scales  # Typical sizes of motion and force
     nominal: HybridTest  # The model before calibration
+    highest: float  # Highest frequency at which models are judged [Hz]
+    memory: float = 0.0  # Time [s] for which a free vibration from before a record goes on
+    answer_time: float = 0.0  # Time at the end of a record [s] whose output shows in the input after it
+    # Stated damping from which a damper of the specimen cannot be told [N·s/m], zero where it can
+    structure_damping: float = 0.0
     calibrations: tuple[Calibration, ...]  # What is fitted in every model
     open_stiffness: Calibration | None = None  # Stiffness of any value, where a stated one is calibrated
     # Offsets of the sensor that are fitted in every model so that they hide nothing
@@ -62,6 +67,7 @@ class ObservedBlock(ABC):
         self.rate = campaign.rate
         self.scales = scales
         self.nominal = campaign.nominal
+        self.highest = self.highest_signal
 
     def release_stiffness(self) -> Self:
         """Return the same block, whose stiffness may have any value; itself where none is calibrated."""
@@ -80,25 +86,10 @@ class ObservedBlock(ABC):
         """Highest frequency at which there may be a signal [Hz]."""
         return highest_frequency(self.rate, self.nominal.structure)
 
-    @property
-    def highest(self) -> float:
-        """Highest frequency at which models are judged [Hz]."""
-        return self.highest_signal
-
     def highest_of(self, test: int) -> float:
         """Return the highest frequency at which models are judged in a test [Hz]."""
         del test
         return self.highest
-
-    @property
-    def memory(self) -> float:
-        """Time [s] for which a free vibration from before a record goes on; zero where nothing vibrates."""
-        return 0.0
-
-    @property
-    def answer_time(self) -> float:
-        """Time at the end of a record [s] of which the output shows in the input only after it."""
-        return 0.0
 
     @property
     def sketch(self) -> "ObservedBlock":
@@ -117,11 +108,6 @@ class ObservedBlock(ABC):
             ViscousDamping: specimen.damping if specimen else 0.0,
             AddedMass: specimen.mass if specimen else 0.0,
         }
-
-    @property
-    def structure_damping(self) -> float:
-        """Stated damping from which a damper of the specimen cannot be told [N·s/m], zero where it can."""
-        return 0.0
 
     @abstractmethod
     def predict(self, model: HybridTest, test: int) -> Array:

@@ -81,6 +81,9 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
         self.smoothed = is_smoothed
         goes_on = [False, *(_continues(a, b) for a, b in pairwise(self.tests))]
         self._beginnings = np.maximum.accumulate(np.where(goes_on, 0, np.arange(len(goes_on)))).tolist()
+        self.highest = self.highest_signal
+        if is_smoothed:  # that up to which the motion is known well
+            self.highest = reliable_frequency(self._readings, 1.0 / self.rate, self.highest_signal)
         self.move(pistons)
 
     def move(self, pistons: Sequence[Motion3]) -> None:
@@ -105,13 +108,6 @@ class SpecimenBlock(SuperposedBlock[HybridTest | SpecimenTerm]):
     def _readings(self) -> list[Array]:
         """Measured displacement in every test [m]."""
         return [test.channels[Channel.MEASURED] for test in self.tests]
-
-    @cached_property
-    def highest(self) -> float:
-        """Highest frequency at which models are judged [Hz]: that up to which the motion is known well."""
-        if not self.smoothed:
-            return super().highest
-        return reliable_frequency(self._readings, 1.0 / self.rate, self.highest_signal)
 
     def highest_of(self, test: int) -> float:
         """Return the highest frequency at which models are judged in a test [Hz]: harmonics under a sine."""
