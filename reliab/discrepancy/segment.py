@@ -13,7 +13,7 @@ from scipy import fft
 
 from reliab.core.arrays import Array, Spectrum
 from reliab.core.errors import InputError
-from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest, Stretch
+from reliab.discrepancy.campaign.campaign import Campaign, Channel, Stretch
 from reliab.effects.effect import Scales
 from reliab.signals.noise import NoiseModel, Periodogram, noise_shapes, smooth_displacement
 from reliab.simulation.hybrid_test.open_loop import Motion3
@@ -155,25 +155,20 @@ def skip_transient(
 
     `memory` [s].
     """
-    return tuple(
-        replace(stretch, begin=_begin(motions[stretch.test], stretch.end, memory))
-        if stretch.begin == 0
-        else stretch
-        for stretch in stretches
-    )
-
-
-def _begin(motion: Motion3, end: int, memory: float) -> int:
-    velocity = motion.values[1][:end]
-    usual = float(np.sqrt(np.mean(velocity**2)))
-    if float(np.abs(velocity[:_FIRST]).mean()) < _REST_SHARE * usual:
-        return 0
-    moving = np.flatnonzero(np.abs(velocity) > _REST_SHARE * usual)
-    signs = np.sign(velocity[moving])
-    reversals = moving[1:][np.diff(signs) != 0.0]
-    high = int(_LARGEST_SHARE * end)
-    swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else high
-    return min(max(swing, int(memory / motion.step)), high)
+    stretches_left = []
+    for stretch in stretches:
+        velocity = motions[stretch.test].values[1][: stretch.end]
+        usual = float(np.sqrt(np.mean(velocity**2)))
+        is_moved = float(np.abs(velocity[:_FIRST]).mean()) >= _REST_SHARE * usual
+        begin = stretch.begin
+        if begin == 0 and is_moved:
+            moving = np.flatnonzero(np.abs(velocity) > _REST_SHARE * usual)
+            reversals = moving[1:][np.diff(np.sign(velocity[moving])) != 0.0]
+            most = int(_LARGEST_SHARE * stretch.end)
+            swing = int(reversals[_REVERSALS - 1]) if reversals.size >= _REVERSALS else most
+            begin = min(max(swing, int(memory / motions[stretch.test].step)), most)
+        stretches_left.append(replace(stretch, begin=begin))
+    return tuple(stretches_left)
 
 
 def skip_end(
@@ -225,14 +220,13 @@ def smooth_motion(displacement: Array, step: float, highest: float) -> Motion3:
 
 def motions_of(campaign: Campaign) -> tuple[Motion3, ...]:
     """Motion of the piston in every test from the channels: the command, else the smoothed reading."""
-    highest = highest_frequency(campaign.rate, campaign.structure)
-    return tuple(_piston_in(test, campaign.step, highest) for test in campaign.tests)
-
-
-def _piston_in(test: MeasuredTest, step: float, highest: float) -> Motion3:
-    if Channel.COMMAND in test.channels:
-        return Motion3.interpolate(test.channels[Channel.COMMAND], step)
-    return smooth_motion(test.channels[Channel.MEASURED], step, highest)
+    highest, motions = highest_frequency(campaign.rate, campaign.structure), list[Motion3]()
+    for test in campaign.tests:
+        if Channel.COMMAND in test.channels:
+            motions.append(Motion3.interpolate(test.channels[Channel.COMMAND], campaign.step))
+        else:
+            motions.append(smooth_motion(test.channels[Channel.MEASURED], campaign.step, highest))
+    return tuple(motions)
 
 
 def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
@@ -248,20 +242,15 @@ def scales_of(campaign: Campaign, motions: Sequence[Motion3]) -> Scales:
             value="a constant",
             remedy="Check that the column holds the recording, in metres",
         )
+    specimen = campaign.nominal.specimen
+    force = 0.0 if specimen is None else specimen.stiffness * float(peaks[0])
+    if Channel.FORCE in campaign.channels:
+        forces = [campaign.tests[k].channels[Channel.FORCE] for k in fitted_tests]
+        force = max(float(np.abs(values - np.median(values)).max()) for values in forces)
     return Scales(
         displacement=float(peaks[0]),
         velocity=float(peaks[1]),
         acceleration=float(peaks[2]),
-        force=_peak_force(campaign, fitted_tests, float(peaks[0])),
+        force=force if force > 0.0 else 1.0,
         duration=max(campaign.tests[k].size for k in fitted_tests) * campaign.step,
     )
-
-
-def _peak_force(campaign: Campaign, fitted_tests: Sequence[int], displacement: float) -> float:
-    if Channel.FORCE in campaign.channels:
-        forces = [campaign.tests[k].channels[Channel.FORCE] for k in fitted_tests]
-        peak = max(float(np.abs(force - np.median(force)).max()) for force in forces)
-    else:
-        specimen = campaign.nominal.specimen
-        peak = 0.0 if specimen is None else specimen.stiffness * displacement
-    return peak if peak > 0.0 else 1.0

@@ -253,17 +253,11 @@ def _objective(residual: Array, coordinates: Array) -> float:
     return 0.5 * float(residual @ residual + coordinates @ coordinates)
 
 
-def sharpen_fit(problem: Problem, fitted_model: Fit) -> Fit:
+def sharpen_fit(problem: Problem, fitted: Fit) -> Fit:
     """Return a fitted model with derivatives of full predictions, for its standard deviations."""
-    exact = jacobian(
-        problem,
-        fitted_model.space,
-        fitted_model.coordinates,
-        fitted_model.noise,
-        fitted_model.residual,
-        _fine_steps(fitted_model.jacobian),
-    )
-    return replace(fitted_model, jacobian=exact)
+    steps = _fine_steps(fitted.jacobian)
+    exact = jacobian(problem, fitted.space, fitted.coordinates, fitted.noise, fitted.residual, steps)
+    return replace(fitted, jacobian=exact)
 
 
 def _fine_steps(derivatives: Array) -> Array:
