@@ -8,7 +8,7 @@ not, as for a hysteresis that a few cycles show, every draw is simulated.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -83,31 +83,24 @@ class LikelihoodSurface:
 
     def log_density(self, standard: Array) -> Array:
         """Logarithm of the posterior density by the polynomial, shape (points,)."""
-
-        def squares(is_inside: NDArray[np.bool_], _inside: Array) -> Array:
-            features = _features(standard[is_inside])
-            return np.asarray(np.einsum("ki,ki->k", features @ self._gram, features))
-
-        return self._density(standard, squares)
+        features, (coordinates, is_inside) = _features(standard), self._locate(standard)
+        squares = np.einsum("ki,ki->k", features @ self._gram, features)
+        return np.where(is_inside, -0.5 * (squares + (coordinates**2).sum(axis=1)), -np.inf)
 
     def simulate_density(self, problem: Problem | CorrectedSketch, fit: Fit, standard: Array) -> Array:
         """Return the same by simulations of the fitted problem, or of its sketch."""
-
-        def squares(_is_inside: NDArray[np.bool_], inside: Array) -> Array:
-            residuals = simulate_residuals(problem, fit, inside)
-            return np.asarray((residuals**2).sum(axis=1))
-
-        return self._density(standard, squares)
-
-    def _density(self, standard: Array, squares: Callable[[NDArray[np.bool_], Array], Array]) -> Array:
-        """Logarithm of a density from sums of squared residuals, which vanishes beyond the bounds."""
-        coordinates = self.coordinates(standard)
-        is_inside = (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
+        coordinates, is_inside = self._locate(standard)
         logs = np.full(len(standard), -np.inf)
         if is_inside.any():
             inside = coordinates[is_inside]
-            logs[is_inside] = -0.5 * squares(is_inside, inside) - 0.5 * (inside**2).sum(axis=1)
+            squares = (simulate_residuals(problem, fit, inside) ** 2).sum(axis=1)
+            logs[is_inside] = -0.5 * (squares + (inside**2).sum(axis=1))
         return logs
+
+    def _locate(self, standard: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Coordinates of standard ones, and whether they lie within the bounds."""
+        coordinates = self.coordinates(standard)
+        return coordinates, (coordinates == np.clip(coordinates, *self.bounds)).all(axis=1)
 
 
 def _design(size: int) -> Array:

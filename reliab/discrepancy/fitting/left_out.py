@@ -58,29 +58,27 @@ class LeftOut:
 
 
 def leave_out(problem: Problem, fit: Fit, fixed: tuple[int, ...] = ()) -> LeftOut:
-    """Leave out each test in turn, refit the model to the others and predict it."""
+    """Leave out each test in turn, refit the model to the others and predict it.
+
+    Far from the fit, with `fixed` coordinates at zero, one step may be worse than none.
+    """
     energies, foretold = [], []
     for members in _parts(problem):
         excluded_rows = np.isin(problem.owners, members)
-        segments = [problem.segments[k] for k in members]
-
-        def energy_at(coordinates: Array, segments: Sequence[Segment] = segments) -> float:
-            return _residual_energy(problem, fit.space, coordinates, segments)
-
-        if problem.flat and not fixed:
-            energy = energy_at(_refit_fully(problem, fit, excluded_rows, members))
-        else:
-            stepped_coordinates = refit(fit, excluded_rows, fixed)
-            energy = energy_at(stepped_coordinates)
-            if fixed:  # far from the fit one step may be worse than none
-                fixed_coordinates = fit.coordinates.copy()
-                fixed_coordinates[list(fixed)] = 0.0
-                energy = min(energy, energy_at(fixed_coordinates))
-            elif energy > (1.0 + _UNFORESEEN) * _foreseen_energy(
-                problem, fit, excluded_rows, stepped_coordinates
-            ):
-                energy = min(energy, energy_at(_refit_fully(problem, fit, excluded_rows, members)))
-        energies.append(energy)
+        segments, trials = [problem.segments[k] for k in members], list[float]()
+        if fixed or not problem.flat:
+            x = refit(fit, excluded_rows, fixed)
+            trials.append(_residual_energy(problem, fit.space, x, segments))
+        if fixed:
+            x = fit.coordinates.copy()
+            x[list(fixed)] = 0.0
+            trials.append(_residual_energy(problem, fit.space, x, segments))
+        elif problem.flat or trials[0] > (1.0 + _UNFORESEEN) * _foreseen_energy(
+            problem, fit, excluded_rows, x
+        ):
+            x = _refit_fully(problem, fit, excluded_rows, members)
+            trials.append(_residual_energy(problem, fit.space, x, segments))
+        energies.append(min(trials))
         foretold.append(problem.flat or _is_determined(fit, ~excluded_rows))
     return _errors(problem, energies, foretold)
 
@@ -110,15 +108,11 @@ def _parts(problem: Problem) -> list[list[int]]:
 
 def _errors(problem: Problem, energies: Sequence[float], foretold: Sequence[bool]) -> LeftOut:
     """Put energies of residuals beside those of the channel and those that count as one."""
-    powers, segments = relative_powers(problem), problem.segments
+    powers, segments, parts = relative_powers(problem), problem.segments, _parts(problem)
     signal = [energy_of(s.spectrum(problem.measured(s.test))) for s in segments]
     unit = [power * (s.end - s.begin) for power, s in zip(powers, segments, strict=True)]
-    return LeftOut(
-        energies=np.array(energies),
-        signals=np.array([sum(signal[k] for k in members) for members in _parts(problem)]),
-        units=np.array([sum(unit[k] for k in members) for members in _parts(problem)]),
-        foretold=np.array(foretold),
-    )
+    signals, units = (np.array([sum(of[k] for k in part) for part in parts]) for of in (signal, unit))
+    return LeftOut(energies=np.array(energies), signals=signals, units=units, foretold=np.array(foretold))
 
 
 def _is_determined(fit: Fit, fitted_rows: NDArray[np.bool_]) -> bool:
@@ -138,11 +132,8 @@ def _residual_energy(
 ) -> float:
     """Energy that a model misses of segments of one test; a simulation that runs away misses very much."""
     predictions = problem.block.spectra(space.model(coordinates), segments)
-    errors = (
-        s.spectrum(problem.measured(s.test)) - spectrum
-        for s, spectrum in zip(segments, predictions, strict=True)
-    )
-    energy = sum(map(energy_of, errors))
+    measured = (s.spectrum(problem.measured(s.test)) for s in segments)
+    energy = sum(energy_of(one - other) for one, other in zip(measured, predictions, strict=True))
     return energy if np.isfinite(energy) else _RAN_AWAY
 
 
@@ -157,11 +148,8 @@ def _refit_fully(
         tempering=tuple(problem.tempering[k] for k in fitted_segments if problem.flat),
         powers=tuple(problem.powers[k] for k in fitted_segments if problem.flat),
     )
-    start = replace(
-        fit,
-        residual=fit.residual[~excluded_rows],
-        jacobian=fit.jacobian[~excluded_rows],
-    )
+    rows = ~excluded_rows
+    start = replace(fit, residual=fit.residual[rows], jacobian=fit.jacobian[rows])
     return improve_fit(reduced_problem, start, _STEPS, differentiate_last=False).coordinates
 
 
