@@ -161,20 +161,19 @@ class Posterior:
         sentences = []
         for effect in effects:
             places = [k for k, name in enumerate(self.names) if name.startswith(f"{effect}.")]
-            for first, second in combinations(places, 2):
-                pair = self.draws[:, [first, second]]
-                if not (pair > 0.0).all():
+            for pair in combinations(places, 2):
+                draws = self.draws[:, pair]
+                if not (draws > 0.0).all():
                     continue
-                logs = np.log(pair)
-                correlation = float(np.corrcoef(logs.T)[0, 1])
-                sign, word = (-1.0, "ratio") if correlation > 0.0 else (1.0, "product")
-                combination = logs[:, 0] + sign * logs[:, 1]
+                logs = np.log(draws)
+                is_ratio = float(np.corrcoef(logs.T)[0, 1]) > 0.0
+                combination = logs[:, 0] + (-logs[:, 1] if is_ratio else logs[:, 1])
                 least = logs.std(axis=0).min()
                 if least > _BADLY_KNOWN and combination.std() < _JOINT_SPREAD * least:
-                    names = [self.meanings[k] for k in (first, second)]
                     sentences.append(
-                        f"The tests do not tell {' and '.join(names)} of {effect.replace('_', ' ')} "
-                        f"apart: their {word} is {significant(float(np.exp(combination.mean())))} ± "
+                        f"The tests do not tell {' and '.join(self.meanings[k] for k in pair)} of "
+                        f"{effect.replace('_', ' ')} apart: their {'ratio' if is_ratio else 'product'} is "
+                        f"{significant(float(np.exp(combination.mean())))} ± "
                         f"{percent(float(combination.std()), 2)}."
                     )
         return tuple(sentences)

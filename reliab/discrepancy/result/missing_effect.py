@@ -273,15 +273,11 @@ def calibration(fit: Fit, *, is_restated: bool = False, with_effects: bool = Fal
         calibrations = (*calibrations, *effects)
     if not is_restated:
         return calibrations
-    return tuple(_restate_damping(item, fit) if item.name == _DAMPING else item for item in calibrations)
-
-
-def _restate_damping(damping: Estimate, fit: Fit) -> Estimate:
-    """Damping of the structure over the stated one, of the calibrated factor and the effect together."""
-    space = fit.space
-    names = [calibration.parameter.name for calibration in space.block.calibrations]
-    places = [names.index(damping.name), space.places(StatedDamping).start]
+    # Of the calibrated factor on the stated damping and of the effect together
+    space, first = fit.space, [parameter.name for parameter in parameters].index(_DAMPING)
+    places = [first, space.places(StatedDamping).start]
     weights = np.array([1.0, 1.0 / space.block.removable[StatedDamping]])
     covariance = space.covariance_of_values(fit.coordinates, fit.covariance)[np.ix_(places, places)]
     value = float(weights @ space.values(fit.coordinates)[places])
-    return replace(damping, value=value, sd=float(np.sqrt(weights @ covariance @ weights)))
+    damping = replace(calibrations[first], value=value, sd=float(np.sqrt(weights @ covariance @ weights)))
+    return *calibrations[:first], damping, *calibrations[first + 1 :]
