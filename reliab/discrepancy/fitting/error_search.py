@@ -27,8 +27,6 @@ _DEEPEST = 3  # effects beside the linear ones
 _BEAM = 2
 _TRIES, _GENERAL_TRIES = 8, 5
 _RIVALS = 3  # of each effect of the best model
-_PRUNINGS = 2  # models from which effects are taken off
-_NO_WORSE = 0.02  # growth of the error on left-out parts by an effect that is taken off
 _TRIFLE = 0.02  # of the error's energy in the fitted tests
 _SIMPLE = 2  # parameters; effects of more have several optima where no model is exact
 
@@ -84,7 +82,7 @@ class ErrorSearch(Search):
         return -np.inf
 
     def run(self, begin: Fit | None = None) -> Fit:
-        """Add effects of the library, then special forms, then terms outside it; then take effects off."""
+        """Add effects of the library, then special forms, then terms outside it; then try rivals."""
         beam = [begin or self.linear]
         for _ in range(_DEEPEST):
             children = self._children(beam, self.candidates, _TRIES)
@@ -95,8 +93,6 @@ class ErrorSearch(Search):
             for kind in model.space.effects:
                 self.refine_in(model, kind)
         self._children(self._first(1), self.problem.block.outside, _GENERAL_TRIES)
-        for model in self._first(_PRUNINGS):
-            self._prune(model)
         self._try_rivals()
         return self.best
 
@@ -130,11 +126,3 @@ class ErrorSearch(Search):
     def _first(self, count: int) -> list[Fit]:
         """Models of the smallest error on left-out parts."""
         return sorted(self.fitted.values(), key=self._error)[:count]
-
-    def _prune(self, model: Fit) -> None:
-        """Take off effects as long as left-out parts are predicted hardly worse."""
-        while model.space.effects:
-            smaller = min((self.remove_effect(model, kind) for kind in model.space.effects), key=self._error)
-            if self._error(smaller) > (1.0 + _NO_WORSE) * self._error(model):
-                return
-            model = smaller
