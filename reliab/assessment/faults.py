@@ -153,14 +153,14 @@ def _faults_about(
     """Look for faults of a recording from which another zero was taken, if it was moved."""
     clean, *spike_masks = remove_spikes(recording)
     tracking = track(clean, window=window, seed=seed)
-    prediction = _predict_measured(clean, tracking)
+    prediction = _read_late(clean.command, tracking.amplitude, tracking.delay, clean.time_step)
     faults = (
         *_spikes(recording, clean, *spike_masks),
         *_copy(clean),
         *zero_faults,
         *_jumps(clean),
         *_find_held_samples(clean),
-        *_standstill(clean, prediction),
+        *_standstill(clean),
         *_slow(clean, prediction, threshold, experimental_fraction, tracking),
     )
     return faults, tracking
@@ -245,10 +245,10 @@ def _jumps(recording: Recording) -> Iterator[Fault]:
         )
 
 
-def _predict_measured(recording: Recording, tracking: TrackingIndex) -> Array:
-    """Command with the gain and delay of the test."""
-    path = CubicPath.interpolate(np.arange(recording.command.size) * recording.time_step, recording.command)
-    return tracking.amplitude * path.read_delayed(tracking.delay)
+def _read_late(history: Array, gain: float, delay: float, time_step: float) -> Array:
+    """Give a history with a gain [-] and a delay, which may be negative [s]."""
+    path = CubicPath.interpolate(np.arange(history.size) * time_step, history)
+    return gain * path.read_delayed(delay)
 
 
 def _spikes(
@@ -293,33 +293,44 @@ def _copy(recording: Recording) -> Iterator[Fault]:
         )
 
 
-def _standstill(recording: Recording, prediction: Array) -> Iterator[Fault]:
+def _standstill(recording: Recording) -> Iterator[Fault]:
     peak = float(np.abs(recording.command).max())
-    for name, history, counterpart in (
-        ("measured displacement", recording.measured, recording.command),
-        ("command", recording.command, recording.measured),
-    ):
+    channels = {"command": recording.command, "measured displacement": recording.measured}
+    for name, counterpart in zip(channels, reversed(channels.values()), strict=True):
         still = [
             (begin, end)
-            for begin, end in _runs(np.abs(np.diff(history)) <= _STANDSTILL_STEP * peak)
+            for begin, end in _runs(np.abs(np.diff(channels[name])) <= _STANDSTILL_STEP * peak)
             if np.ptp(counterpart[begin : end + 1]) > _STANDSTILL_SHARE * peak
         ]
         if still:
             lasting = sum(end - begin for begin, end in still) * recording.time_step
             motion = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
+            missing = _missing_motion(recording, channels[name], still)
             yield Fault(
                 kind="standstill",
-                finding=(
-                    f"The {name} stands still for {significant(lasting)} s, first at "
-                    f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
-                    f"{percent(motion, decimals=0)} of the command's peak: either the actuator stood "
-                    "still, or the "
-                    "recording did."
-                ),
-                in_measured=_missing_motion(recording.measured - prediction, still)
-                if history is recording.measured
-                else None,
+                finding=f"The {name} stands still for {significant(lasting)} s, first at "
+                f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
+                f"{percent(motion, decimals=0)} of the command's peak: either the actuator stood still, or "
+                "the recording did.",
+                in_command=missing if name == "command" else None,
+                in_measured=None if name == "command" else missing,
             )
+
+
+def _missing_motion(recording: Recording, history: Array, still: list[tuple[int, int]]) -> Array:
+    """Give a channel less its motion by the other one where it stands still, and zero elsewhere [m].
+
+    Gain and delay are those of the rest of the test.
+    """
+    step, is_still = recording.time_step, np.isin(history, history[[begin for begin, _ in still]])
+    motion = np.stack([recording.command, np.gradient(recording.command, step)], axis=1)
+    gain, slope = np.linalg.lstsq(motion[~is_still], recording.measured[~is_still])[0].tolist()
+    expected = (
+        _read_late(recording.measured, 1.0 / gain, slope / gain, step)
+        if history is recording.command
+        else _read_late(recording.command, gain, -slope / gain, step)
+    )
+    return np.where(is_still, history - expected, 0.0)
 
 
 def _find_held_samples(recording: Recording) -> Iterator[Fault]:
@@ -343,13 +354,6 @@ def _find_held_samples(recording: Recording) -> Iterator[Fault]:
         in_measured=measured_displacement - interpolated,
         in_loop=False,
     )
-
-
-def _missing_motion(difference: Array, still: list[tuple[int, int]]) -> Array:
-    missing = np.zeros_like(difference)
-    for begin, end in still:
-        missing[begin : end + 1] = difference[begin : end + 1]
-    return missing
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

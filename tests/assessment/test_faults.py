@@ -47,6 +47,15 @@ def kinds(result):
     return {effect.fault.kind for effect in result.faults}
 
 
+def saturated(force, share):
+    return np.clip(force, -share * np.abs(force).max(), share * np.abs(force).max())
+
+
+def lost(history):
+    place = np.abs(history).argmax()
+    return np.where(np.abs(np.arange(history.size) - place) < 100, 0.0, history)
+
+
 @pytest.mark.default_cases(2)
 @pytest.mark.parametrize(
     "rig", [{"delay": 0.001}, {"lead": 0.001}, {"lag": 0.001}, {"gain": 0.99}, {"backlash": 0.0004}]
@@ -112,6 +121,18 @@ def test_decisive_standstill_leaves_the_verdict_open(good):
     assert not result.reliable
 
 
+@pytest.mark.parametrize("channel", ["command", "measured"])
+@pytest.mark.parametrize("spoil", [lost, lambda history: saturated(history, 0.7)])
+def test_a_channel_that_stood_still_makes_no_test_bad(good, shaken, channel, spoil):
+    """Without the standstill the error is the true one, and the verdict stays open unless both agree."""
+    result = find_faults(good, **{channel: spoil(getattr(good, channel))})
+    (effect,) = (effect for effect in result.faults if effect.fault.kind == "standstill")
+    assert effect.otherwise.rebuilt.rms.value == pytest.approx(good.rms, rel=0.06)
+    assert result.verdict == "undecided"
+    bad = shaken(delay=0.02)
+    assert find_faults(bad, **{channel: spoil(getattr(bad, channel))}).verdict == "not_reliable"
+
+
 def test_a_copied_channel_is_never_reliable(good):
     result = find_faults(good, good.command.copy())
     assert kinds(result) == {"copy"}
@@ -126,15 +147,6 @@ def with_force(test, force):
 
 STATED = {"mass": StatedValue(1000.0)}
 STIFFNESS = 1000.0 * ONE_HERTZ.circular_frequency**2
-
-
-def saturated(force, share):
-    return np.clip(force, -share * np.abs(force).max(), share * np.abs(force).max())
-
-
-def lost(force):
-    place = np.abs(force).argmax()
-    return np.concatenate([force[: place - 100], np.zeros(200), force[place + 100 :]])
 
 
 @pytest.mark.parametrize("spoil", [lambda force: saturated(force, 0.6), lost])
