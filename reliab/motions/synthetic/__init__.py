@@ -10,8 +10,7 @@ Limits of the model: its noise has one dominant frequency at a time, so that spe
 of 0.5 to 1.5 s are 25 to 45 % below the NGA-West2 models, while those at other periods and the peaks
 agree within 30 %; and its motions last longer than the strong records that FEMA P-695 picked.
 
-The steps: `fema_p695_2009` draws earthquakes and stations, `pulse` the probability and shape of a velocity
-pulse, `dabaghi_der_kiureghian_2018` predicts the parameters and `parameters` gives them their distributions,
-`modulation` and `recording` make the motion and clean it, `event` scatters stations about the regression and
-puts the pieces together, and `suite` names the result.
+The steps: `fema_p695_2009` draws an earthquake and its station, `dabaghi_der_kiureghian_2018` predicts the
+parameters and gives them their distributions, `recording` makes the motion and cleans it, and `suite`
+scatters the parameters about the regression and names the result.
 """

@@ -1,12 +1,10 @@
 """The synthetic suite: names, order, and motions that are simulated when they are needed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import lru_cache, partial
-from itertools import count
+from functools import lru_cache
 from math import exp, pi, sqrt
-from threading import Lock
 from typing import Final, TypeVar
 
 import numpy as np
@@ -24,7 +22,7 @@ from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import (
     physical_parameters,
     regression_of,
 )
-from reliab.motions.synthetic.fema_p695_2009 import Earthquake, draw_earthquake, draw_scenario, is_strong
+from reliab.motions.synthetic.fema_p695_2009 import draw_earthquake, draw_scenario, is_strong
 from reliab.motions.synthetic.recording import (
     TIME_STEP,
     RandomStream,
@@ -38,51 +36,18 @@ _Result = TypeVar("_Result")
 _CUT: Final = 2.0
 """Errors beyond this many standard deviations are drawn again, as in Dabaghi & Der Kiureghian (2018)."""
 
-EVENT_SHARE: Final = 0.35
-"""Share of the error's variance that the stations of one earthquake have in common.
 
-The published regression gives the whole error only. Its parent, Rezaeian & Der Kiureghian (2010), separates
-the inter-event error η from the intra-event error ε: τ²/(τ² + σ²) is 0.18, 0.39, 0.60, 0.48, 0.02 and 0.45
-for its six parameters (τ = 0.274, 0.457, 0.511, 0.692, 0.129, 0.682; σ = 0.594, 0.569, 0.414, 0.723, 0.953,
-0.760), 0.35 on average. One share for all parameters keeps the published correlations within both parts.
-"""
-
-
-class EventErrors:
-    """Draws the errors of the stations of one earthquake, one after the other.
-
-    The error of a station is η + ε, of which η is the same for all stations of the earthquake. The first
-    station has exactly the published distribution, given that its motion is accepted; η then follows from its
-    error, so that what comes first does not depend on how many stations come after it.
-    """
-
-    def __init__(self, regression: Regression, stream: RandomStream) -> None:
-        self._regression = regression
-        self._stream = stream
-        self._shared: Array | None = None
-
-    def draw(self, stream: RandomStream, attempt: Callable[[Array], _Result | None]) -> _Result:
-        """Draw errors for the next station until one of them gives a motion."""
-        shared, scale = (0.0, 1.0) if self._shared is None else (self._shared, sqrt(1.0 - EVENT_SHARE))
-        while True:
-            standard = shared + scale * self._draw_correlated(stream)
-            if np.abs(standard).max() > _CUT:
-                continue
-            result = attempt(standard * self._regression.deviations)
+def draw_errors(
+    regression: Regression, stream: RandomStream, attempt: Callable[[Array], _Result | None]
+) -> _Result:
+    """Draw errors of the transformed parameters until some of them give a motion."""
+    while True:
+        normals = stream.normals(regression.deviations.size)
+        standard: Array = np.sum(regression.factor * normals, axis=1)
+        if np.abs(standard).max() <= _CUT:
+            result = attempt(standard * regression.deviations)
             if result is not None:
-                self._share(standard)
                 return result
-
-    def _share(self, standard: Array) -> None:
-        """Draw η from its distribution given the whole error of the first station."""
-        if self._shared is None:
-            remainder = sqrt(EVENT_SHARE * (1.0 - EVENT_SHARE)) * self._draw_correlated(self._stream)
-            self._shared = EVENT_SHARE * standard + remainder
-
-    def _draw_correlated(self, stream: RandomStream) -> Array:
-        normals = stream.normals(self._regression.deviations.size)
-        errors: Array = np.sum(self._regression.factor * normals, axis=1)
-        return errors
 
 
 # The constant, then the factors of R [km], of the root of s or d [km], and of θ or φ in degrees.
@@ -125,17 +90,12 @@ class _Purpose(IntEnum):
     """What a stream of random numbers is for; the values are part of the suite's definition."""
 
     EARTHQUAKE = 0
-    SHARED_ERROR = 1
-    SHARED_ERROR_OF_PULSES = 2
     SCENARIO = 3
     PULSE = 4
     ERROR = 5
     ORIENTATION = 6
     NOISE_FIRST = 7
     NOISE_SECOND = 8
-
-
-_Streams = Callable[[_Purpose], RandomStream]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,35 +108,25 @@ class StationRecord:
     components: Array
 
 
-def simulate_event(seed: int, number: int) -> Iterator[StationRecord]:
-    """Simulate the recordings of one earthquake, one station after the other, without limit.
+@lru_cache(maxsize=32)
+def simulate_event(seed: int, number: int) -> StationRecord:
+    """Simulate the recording of one earthquake; the latest are kept, for the other component of each.
 
-    >>> recording = next(simulate_event(2017, 1))
+    >>> recording = simulate_event(2017, 1)
     >>> round(recording.scenario.magnitude, 2), recording.components.shape
     (6.83, (2, 6402))
     """
-    streams = partial(_stream, seed, number, 0)
-    earthquake = draw_earthquake(streams(_Purpose.EARTHQUAKE))
-    errors = {
-        False: EventErrors(regression_of(pulse_like=False), streams(_Purpose.SHARED_ERROR)),
-        True: EventErrors(regression_of(pulse_like=True), streams(_Purpose.SHARED_ERROR_OF_PULSES)),
-    }
-    for station in count(1):
-        yield _simulate_station(earthquake, errors, partial(_stream, seed, number, station))
 
+    def stream(purpose: _Purpose) -> RandomStream:
+        is_of_event = purpose is _Purpose.EARTHQUAKE
+        return RandomStream(seed, number, 0 if is_of_event else 1, purpose)
 
-def _stream(seed: int, number: int, station: int, purpose: _Purpose) -> RandomStream:
-    return RandomStream(seed, number, station, purpose)
-
-
-def _simulate_station(
-    earthquake: Earthquake, errors: dict[bool, EventErrors], streams: _Streams
-) -> StationRecord:
-    scenario = draw_scenario(earthquake, streams(_Purpose.SCENARIO))
-    pulse_like = streams(_Purpose.PULSE).uniform() < pulse_probability(scenario)
-    means = regression_of(pulse_like=pulse_like).means(scenario)
-    angle = 2.0 * pi * streams(_Purpose.ORIENTATION).uniform()
-    noises = streams(_Purpose.NOISE_FIRST), streams(_Purpose.NOISE_SECOND)
+    scenario = draw_scenario(draw_earthquake(stream(_Purpose.EARTHQUAKE)), stream(_Purpose.SCENARIO))
+    pulse_like = stream(_Purpose.PULSE).uniform() < pulse_probability(scenario)
+    regression = regression_of(pulse_like=pulse_like)
+    means = regression.means(scenario)
+    angle = 2.0 * pi * stream(_Purpose.ORIENTATION).uniform()
+    noises = stream(_Purpose.NOISE_FIRST), stream(_Purpose.NOISE_SECOND)
 
     def attempt(error: Array) -> StationRecord | None:
         parameters = physical_parameters(means + error, pulse_like=pulse_like)
@@ -187,7 +137,7 @@ def _simulate_station(
             return None
         return StationRecord(scenario=scenario, parameters=parameters, components=components)
 
-    return errors[pulse_like].draw(streams(_Purpose.ERROR), attempt)
+    return draw_errors(regression, stream(_Purpose.ERROR), attempt)
 
 
 def _record(
@@ -211,14 +161,12 @@ class SyntheticEntry:
 
     seed: int  # Seed of the suite
     number: int  # Number of the earthquake, from 1
-    station: int  # Number of the station within the earthquake, from 1
     component: int  # Number of the horizontal component, 1 or 2
 
     @property
     def name(self) -> str:
-        """Unique name, for example ``SYN001/H1``, or ``SYN001/S2H1`` at the second station."""
-        station = f"S{self.station}" if self.station > 1 else ""
-        return f"{self.event}/{station}H{self.component}"
+        """Unique name, for example ``SYN001/H1``."""
+        return f"{self.event}/H{self.component}"
 
     @property
     def event(self) -> str:
@@ -232,7 +180,7 @@ class SyntheticEntry:
 
     def recording(self) -> StationRecord:
         """Simulate the recording that the motion is a component of, with its scenario and parameters."""
-        return _event(self.seed, self.number).record(self.station)
+        return simulate_event(self.seed, self.number)
 
     def load(self) -> Motion:
         """Simulate the motion."""
@@ -245,59 +193,32 @@ class SyntheticEntry:
         )
 
 
-class _RecordingsOfEvent:
-    """The recordings of an earthquake, simulated up to the station that was asked for."""
-
-    def __init__(self, seed: int, number: int) -> None:
-        self._source = simulate_event(seed, number)
-        self._simulated: list[StationRecord] = []
-        self._lock = Lock()
-
-    def record(self, station: int) -> StationRecord:
-        with self._lock:
-            while len(self._simulated) < station:
-                self._simulated.append(next(self._source))
-        return self._simulated[station - 1]
-
-
-@lru_cache(maxsize=32)
-def _event(seed: int, number: int) -> _RecordingsOfEvent:
-    """Keep the latest earthquakes, because their motions are asked for one after the other."""
-    return _RecordingsOfEvent(seed, number)
-
-
-def synthetic_entries(
-    *, count: int = 100, seed: int = 2017, stations_per_event: int = 1
-) -> list[SyntheticEntry]:
+def synthetic_entries(*, count: int = 100, seed: int = 2017) -> list[SyntheticEntry]:
     """List the entries of the suite that `synthetic_suite` makes of the same arguments.
 
-    >>> [entry.name for entry in synthetic_entries(count=3, stations_per_event=2)]
-    ['SYN001/H1', 'SYN001/H2', 'SYN001/S2H1']
+    >>> [entry.name for entry in synthetic_entries(count=3)]
+    ['SYN001/H1', 'SYN001/H2', 'SYN002/H1']
     """
-    _require("number of motions", count, smallest=1)
-    _require("seed", seed, smallest=0)
-    _require("number of stations per event", stations_per_event, smallest=1)
-    entries = []
-    for index in range(count):
-        recording, component = divmod(index, _COMPONENTS)
-        event, station = divmod(recording, stations_per_event)
-        entries.append(
-            SyntheticEntry(seed=seed, number=event + 1, station=station + 1, component=component + 1)
-        )
-    return entries
+    for quantity, value, smallest in (("number of motions", count, 1), ("seed", seed, 0)):
+        if value < smallest:
+            raise InputError(f"The {quantity} must be at least {smallest}", value=value)
+    places = (divmod(index, _COMPONENTS) for index in range(count))
+    return [
+        SyntheticEntry(seed=seed, number=event + 1, component=component + 1) for event, component in places
+    ]
 
 
-def synthetic_suite(*, count: int = 100, seed: int = 2017, stations_per_event: int = 1) -> MotionSuite:
+def synthetic_suite(*, count: int = 100, seed: int = 2017) -> MotionSuite:
     """Make the built-in suite of synthetic near-fault ground motions.
 
     For each event a scenario is drawn from a distribution like that of the FEMA P-695 records, and
     two horizontal components of the stochastic model of Dabaghi & Der Kiureghian (2018), along the axes of an
     instrument of random orientation. Recordings too weak for FEMA P-695 are drawn again.
 
-    A motion is fixed by the seed, its event, its station and its component: neither the number of motions nor
-    the number of stations changes it. Accelerations are whole multiples of 1e-6 g. On one computer the bytes
-    are always the same; elsewhere, a sample may differ by that one step in the rare case that its value
-    before rounding lies within about 1e-13 g of a tie.
+    A motion is fixed by the seed, its event and its component: the number of motions does not change it.
+    Accelerations are whole multiples of 1e-6 g. On one computer the bytes are always the same; elsewhere, a
+    sample may differ by that one step in the rare case that its value before rounding lies within about
+    1e-13 g of a tie.
 
     Returns motions named ``SYN001/H1``, ``SYN001/H2``, ``SYN002/H1`` and so on, of events ``SYN001``,
     ``SYN002``, …
@@ -308,9 +229,4 @@ def synthetic_suite(*, count: int = 100, seed: int = 2017, stations_per_event: i
     >>> suite[0].time_step, round(suite[0].duration, 2)
     (0.01, 64.01)
     """
-    return MotionSuite(synthetic_entries(count=count, seed=seed, stations_per_event=stations_per_event))
-
-
-def _require(quantity: str, value: int, *, smallest: int) -> None:
-    if value < smallest:
-        raise InputError(f"The {quantity} must be at least {smallest}", value=value)
+    return MotionSuite(synthetic_entries(count=count, seed=seed))

@@ -15,7 +15,7 @@ from reliab.motions.motion import measure
 from reliab.motions.suite import MotionSuite
 from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import NO_PULSE, PULSE, Regression
 from reliab.motions.synthetic.recording import RandomStream
-from reliab.motions.synthetic.suite import EVENT_SHARE, EventErrors, synthetic_entries, synthetic_suite
+from reliab.motions.synthetic.suite import draw_errors, synthetic_entries, synthetic_suite
 
 CHECKSUM = "5d541ae9b2ac9b59"
 """Beginning of the SHA-256 of the checksums of all motions; it belongs to the product's definition."""
@@ -57,14 +57,6 @@ def test_thousands_of_motions_are_named_at_once() -> None:
     assert len(set(suite.names)) == 10_000
 
 
-def test_motion_does_not_depend_on_the_number_of_stations() -> None:
-    single, three = synthetic_suite(count=4), synthetic_suite(count=12, stations_per_event=3)
-    assert three.names[:4] == ("SYN001/H1", "SYN001/H2", "SYN001/S2H1", "SYN001/S2H2")
-    assert three.names[6:8] == single.names[2:]
-    for name in single.names:
-        assert three[three.names.index(name)] == single[single.names.index(name)]
-
-
 def test_components_and_events_and_seeds_differ(suite: MotionSuite) -> None:
     motions = [suite[0], suite[1], suite[2], synthetic_suite(seed=1)[0]]
     assert len({motion.checksum for motion in motions}) == 4
@@ -97,7 +89,7 @@ def test_recording_names_parameters_of_the_motion() -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "quantity"),
-    [({"count": 0}, "motions"), ({"seed": -1}, "seed"), ({"stations_per_event": 0}, "stations")],
+    [({"count": 0}, "motions"), ({"seed": -1}, "seed")],
 )
 def test_bad_arguments_are_refused(arguments: dict[str, int], quantity: str) -> None:
     with pytest.raises(InputError, match=quantity):
@@ -112,20 +104,17 @@ def _keep(error: NDArray[np.float64]) -> NDArray[np.float64]:
     return error
 
 
-def _standard_errors(regression: Regression, stations: int) -> NDArray[np.float64]:
-    """Errors over their standard deviations, shape (events, stations, p)."""
-    samples = []
-    for event in range(_EVENTS):
-        errors = EventErrors(regression, RandomStream(1, event, 0))
-        samples.append([errors.draw(RandomStream(1, event, 1 + i), _keep) for i in range(stations)])
+def _standard_errors(regression: Regression) -> NDArray[np.float64]:
+    """Errors over their standard deviations, shape (events, p)."""
+    samples = [draw_errors(regression, RandomStream(1, event, 1), _keep) for event in range(_EVENTS)]
     return np.array(samples) / regression.deviations
 
 
 @pytest.mark.default_cases(1)
 @_BOTH
-def test_first_station_has_the_published_distribution(regression: Regression) -> None:
+def test_errors_have_the_published_distribution(regression: Regression) -> None:
     """Against draws by NumPy, cut in the same way."""
-    ours = _standard_errors(regression, 1)[:, 0]
+    ours = _standard_errors(regression)
     theirs = np.random.default_rng(7).multivariate_normal(
         np.zeros(len(regression.names)), regression.correlation, size=20000
     )
@@ -136,27 +125,9 @@ def test_first_station_has_the_published_distribution(regression: Regression) ->
     assert min(levels) > 0.01 / len(levels)
 
 
-@pytest.mark.default_cases(1)
-@_BOTH
-def test_stations_of_an_earthquake_share_a_part_of_the_variance(regression: Regression) -> None:
-    """The cut at two standard deviations takes a fifth of the share away."""
-    first, second, third = _standard_errors(regression, 3).transpose(1, 2, 0)
-    for single, alternative in [(first, second), (second, third), (first, third)]:
-        correlations = [np.corrcoef(*pair)[0, 1] for pair in zip(single, alternative, strict=True)]
-        assert np.mean(correlations) == pytest.approx(0.8 * EVENT_SHARE, abs=0.04)
-
-
 def test_earthquakes_share_nothing() -> None:
-    first = _standard_errors(NO_PULSE, 1)[:, 0, 0]
+    first = _standard_errors(NO_PULSE)[:, 0]
     assert abs(np.corrcoef(first[:-1], first[1:])[0, 1]) < 0.1
-
-
-def test_later_stations_leave_the_first_alone() -> None:
-    separate = EventErrors(PULSE, RandomStream(1, 0))
-    dense = EventErrors(PULSE, RandomStream(1, 0))
-    first = dense.draw(RandomStream(1, 1), _keep)
-    dense.draw(RandomStream(1, 2), _keep)
-    assert np.array_equal(separate.draw(RandomStream(1, 1), _keep), first)
 
 
 def test_errors_without_a_motion_are_drawn_again() -> None:
@@ -166,8 +137,7 @@ def test_errors_without_a_motion_are_drawn_again() -> None:
         progress_calls.append(error)
         return "a motion" if len(progress_calls) == 3 else None
 
-    errors = EventErrors(NO_PULSE, RandomStream(1, 0))
-    assert errors.draw(RandomStream(1, 1), attempt) == "a motion"
+    assert draw_errors(NO_PULSE, RandomStream(1, 1), attempt) == "a motion"
     assert len(progress_calls) == 3
 
 
