@@ -1,9 +1,7 @@
 """Check whole folders of records and report every fault at once."""
 
-from bisect import bisect_left, insort
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from operator import itemgetter
 from pathlib import Path
 from statistics import median
 
@@ -16,6 +14,7 @@ from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.catalogue import CATALOGUE, RecordFile
 from reliab.motions.faults import MotionFault, Report
 from reliab.motions.loading import BUILT_IN, declare, list_skipped_files, load_motions, scan
+from reliab.motions.motion import are_copies, outline_of
 from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration
 from reliab.motions.readers.source import is_file, is_folder
 
@@ -31,8 +30,6 @@ _SURROUNDINGS = 50  # samples before and after
 _LEAST_SPIKE = 0.1  # of the peak
 _FEWEST_EQUAL_SAMPLES = 10  # equal samples in the strong part that are held
 _STRONG = (0.05, 0.95)  # of the squared acceleration
-_WINDOW = 100  # samples before and after the peak, by which copies are recognised
-_ROUNDING = 2e-3  # of the peak, by which copies differ where texts round them
 
 
 def find_flaws(acceleration: Array, time_step: float) -> Iterator[tuple[str, str]]:
@@ -40,8 +37,6 @@ def find_flaws(acceleration: Array, time_step: float) -> Iterator[tuple[str, str
 
     `acceleration` (n,) [m/s²]; `time_step` [s].
     """
-    if acceleration.size < _FEWEST_SAMPLES:
-        return
     peak = float(np.abs(acceleration).max())
     runs = _equal_runs(acceleration, _EQUAL * peak)
     steps = np.diff(np.unique(acceleration))
@@ -112,34 +107,6 @@ def _find_spikes(acceleration: Array, time_step: float, peak: float) -> Iterator
         yield value, "Remove it, unless the ground moved like this"
 
 
-class Copies:
-    """Records seen so far, in which copies are recognised, be they scaled, reversed or cut.
-
-    >>> copies, record = Copies(), np.array([0.0, 1.0, -3.0, 0.5])
-    >>> copies.find("one", record, 0.01), copies.find("two", -2 * record, 0.01)
-    (None, ('one', -2.0))
-    """
-
-    def __init__(self) -> None:
-        self._seen: dict[float, list[tuple[float, str, float, Array]]] = {}
-
-    def find(self, name: str, acceleration: Array, time_step: float) -> tuple[str, float] | None:
-        """Return an earlier record of which this is a copy, and the factor between them; else remember it."""
-        largest = int(np.abs(acceleration).argmax())
-        peak = float(acceleration[largest])
-        shape = np.pad(acceleration, _WINDOW)[largest : largest + 2 * _WINDOW + 1] / (peak or 1.0)
-        next_value = float(shape[_WINDOW + 1])
-        records = self._seen.setdefault(round(time_step, 9), [])  # sorted by the sample after the peak
-        first = bisect_left(records, next_value - _ROUNDING, key=itemgetter(0))
-        for its_after, original, its_peak, its_shape in records[first:]:
-            if its_after > next_value + _ROUNDING:
-                break
-            if np.abs(its_shape - shape).max() <= _ROUNDING:
-                return original, peak / its_peak
-        insort(records, (next_value, name, peak, shape), key=itemgetter(0))
-        return None
-
-
 _LIKENESS = 50.0
 """Largest factor between a peak and the median of its folder; g is 981 cm/s2, and m/s2 is 100 cm/s2."""
 _PEAK_TOLERANCE = 2e-3  # largest difference between the peaks of equal records whose texts round them
@@ -185,7 +152,7 @@ def inspect(
     faults: list[MotionFault] = []
     peaks: list[tuple[str, float, bool, bool]] = []
     notes: list[MotionFault] = []
-    copies = Copies()
+    known: dict[str, tuple[str, float]] = {}
     checked_count = 0
     for record, report in _records(source, declaration, faults):
         if sets is not None and record.set_name not in sets:
@@ -197,7 +164,7 @@ def inspect(
             peak = float(np.abs(reading.acceleration).max())
             is_confirmed = record.declared.units is not None and declaration.units is None
             peaks.append((report.file, peak, reading.units_stated, is_confirmed))
-            notes.extend(_notes(record, reading, copies))
+            notes.extend(_notes(record, reading, known))
     if not checked_count and not faults:
         faults.append(_no_records(source, sets))
     unlike = list(_unlike_peaks(peaks))
@@ -210,8 +177,13 @@ def inspect(
     )
 
 
-def _notes(record: RecordFile, reading: AccelerationReading, copies: Copies) -> Iterator[MotionFault]:
-    """Note what was applied to a record, the flaws of its samples, and whether it is a copy."""
+def _notes(
+    record: RecordFile, reading: AccelerationReading, known: dict[str, tuple[str, float]]
+) -> Iterator[MotionFault]:
+    """Note what was applied to a record, the flaws of its samples, and whether it is a copy of one of those.
+
+    `known`: outline and peak of each record so far.
+    """
     channel = f"channel {record.channel}: " if record.channel else ""
 
     def note(rule: str, value: str, remedy: str) -> MotionFault:
@@ -221,17 +193,25 @@ def _notes(record: RecordFile, reading: AccelerationReading, copies: Copies) -> 
 
     for correction in reading.corrections:
         yield note("Applied what the header states", correction, "Check that this is meant")
+    if reading.acceleration.size < _FEWEST_SAMPLES:
+        return
     for value, remedy in find_flaws(reading.acceleration, reading.time_step):
         yield note("Suspicious samples", value, remedy)
-    if copy := copies.find(record.name, reading.acceleration, reading.time_step):
-        original, factor = copy
+    outline = outline_of(reading.acceleration, reading.time_step)
+    peak = float(reading.acceleration[np.abs(reading.acceleration).argmax()])
+    outlines = [other for other, _ in known.values()]
+    if known and (are_copy := are_copies([outline], outlines)[0]).any():
+        original, (_, its_peak) = list(known.items())[int(are_copy.argmax())]
+        factor = peak / its_peak
         scale = "" if abs(abs(factor) - 1) < _PEAK_TOLERANCE else f" times {significant(abs(factor))}"
         reversal = " with its sign reversed" if factor < 0 else ""
         yield note(
             "Duplicate record",
             f"the same record as {original}{scale}{reversal}",
-            "Keep one: a criterion counts equal copies once, but a scaled one as a record of its own",
+            "Keep one: a criterion counts copies once",
         )
+    else:
+        known[record.name] = outline, peak
 
 
 def _records(

@@ -204,22 +204,21 @@ _MOST_DIFFERENT_BITS = (
 )
 
 
-def outline_of(motion: Motion) -> str:
+def outline_of(acceleration: Array, time_step: float) -> str:
     """Describe the strongest swing of a record in 64 hexadecimal digits, whatever its scale and length.
+
+    `acceleration` (n,) [m/s²]; `time_step` [s].
 
     >>> t = np.arange(0.0, 30.0, 0.01)
     >>> record = np.sin(t**1.5) * np.exp(-(((t - 12.0) / 4.0) ** 2))
-    >>> motion, copy = (
-    ...     Motion(name=name, acceleration=values, time_step=0.01)
-    ...     for name, values in (("record", record), ("copy", -1.7 * record[500:2300]))
-    ... )
-    >>> are_copies([outline_of(motion)], [outline_of(copy)]).tolist()
+    >>> outline, outline_of_copy = (outline_of(values, 0.01) for values in (record, -1.7 * record[500:2300]))
+    >>> are_copies([outline], [outline_of_copy]).tolist()
     [[True]]
     """
-    rate = 1.0 / motion.time_step
+    rate = 1.0 / time_step
     low_pass = scipy.signal.butter(2, min(_CORNER, _SAMPLING_SHARE * rate), fs=rate, output="sos")
-    swings = scipy.signal.sosfilt(low_pass, motion.acceleration)
-    times = motion.time_step * np.arange(swings.size)
+    swings = scipy.signal.sosfilt(low_pass, acceleration)
+    times = time_step * np.arange(swings.size)
     place = int(np.abs(swings).argmax())
     around = times[place] + np.linspace(-_REACH, _REACH, _POINTS)
     stretch = np.interp(around, times, swings, left=0.0, right=0.0) * np.sign(swings[place])

@@ -42,7 +42,9 @@ def motion_coordinates(motions: Sequence[Motion]) -> dict[str, xr.Variable]:
 
 def outlines_of(motions: Sequence[Motion]) -> xr.DataArray:
     """Outlines of records, by which copies are recognised, along the dimension of the motions."""
-    outlines = np.array([outline_of(motion) for motion in motions], dtype=np.str_)
+    outlines = np.array(
+        [outline_of(motion.acceleration, motion.time_step) for motion in motions], dtype=np.str_
+    )
     label = LABELS["outline"]
     attrs = {"long_name": label.long_name, "units": label.units}
     return xr.DataArray(outlines, dims=Dimension.MOTION, attrs=attrs)

@@ -92,6 +92,10 @@ def motions():
     return list(load_motions("synthetic")[:20])
 
 
+def outlines_of(motions):
+    return [outline_of(motion.acceleration, motion.time_step) for motion in motions]
+
+
 def significant_duration(motion, low, high):
     begin, end = arias_times(motion.acceleration, motion.time_step, [low, high]) / motion.time_step
     return motion.acceleration[round(begin) : round(end) + 1]
@@ -111,8 +115,8 @@ def significant_duration(motion, low, high):
     ids=["scaled", "reversed", "trimmed", "padded", "resampled"],
 )
 def test_a_copy_is_recognised_and_no_other_record(motions, change):
-    outlines = [outline_of(motion) for motion in motions]
-    copies = [outline_of(change(motion)) for motion in motions]
+    outlines = outlines_of(motions)
+    copies = outlines_of(map(change, motions))
     result = are_copies(outlines, copies)
     assert not result[~np.eye(len(motions), dtype=bool)].any()
     assert result.diagonal().sum() >= len(motions) - 1  # of two equal swings the other may be the strongest
@@ -120,5 +124,5 @@ def test_a_copy_is_recognised_and_no_other_record(motions, change):
 
 @pytest.mark.slow
 def test_no_two_of_a_hundred_real_records_are_copies(real_motions_folder):
-    outlines = [outline_of(motion) for motion in load_motions(real_motions_folder)]
+    outlines = outlines_of(load_motions(real_motions_folder))
     np.testing.assert_array_equal(are_copies(outlines, outlines), np.eye(len(outlines), dtype=bool))

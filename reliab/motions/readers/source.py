@@ -116,20 +116,6 @@ class RecordText:
             )
             start, number = following, number + 1
 
-    def channels(
-        self, announcement: re.Pattern[bytes], end: re.Pattern[bytes]
-    ) -> Iterator[tuple[re.Match[bytes], int, int]]:
-        """Go through the channels of a file of several.
-
-        Yields [bytes].
-        """
-        begin = 0
-        for match in announcement.finditer(self.content):
-            next_end = end.search(self.content, match.end())
-            stop = next_end.start() if next_end else len(self.content)
-            yield match, begin, stop
-            begin = stop
-
 
 def is_file(path: Path) -> bool:
     """Tell whether a path is a file; False where the system cannot access it."""
