@@ -19,13 +19,13 @@ from reliab.core.encodings import as_cell, restore_cell
 from reliab.core.errors import InputError
 from reliab.core.files import folder_written_whole, refuse_unwritable
 from reliab.core.text_tables import parse_number
+from reliab.core.units import AccelerationUnit, find_unit
 from reliab.motions.faults import Report
 from reliab.motions.motion import Motion
 from reliab.motions.readers.reading import AccelerationReading, RecordDeclaration, complete
 from reliab.motions.readers.registry import open_records
 from reliab.motions.readers.source import RecordHeader, is_file, open_source
 from reliab.motions.suite import MotionSuite
-from reliab.motions.units import AccelerationUnit, find_unit
 
 
 @dataclass(frozen=True, kw_only=True)

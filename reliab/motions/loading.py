@@ -18,6 +18,7 @@ from pathlib import Path
 
 from reliab.core.errors import InputError
 from reliab.core.stated_value import require_physical
+from reliab.core.units import AccelerationUnit, find_unit
 from reliab.motions.catalogue import CATALOGUE, RecordFile, read_catalogue
 from reliab.motions.faults import MotionFault, Report
 from reliab.motions.motion import Motion
@@ -25,7 +26,6 @@ from reliab.motions.readers.reading import RecordDeclaration
 from reliab.motions.readers.registry import FORMATS, TEXT, UNREAD, claims_to_be_record, detect, open_records
 from reliab.motions.readers.source import HEAD, is_file, is_folder, open_source
 from reliab.motions.suite import MotionEntry, MotionSuite
-from reliab.motions.units import parse_unit
 
 _COMPONENTS = frozenset(("K-NET",))
 """Formats whose endings name a component, such as ``.NS`` and ``.EW``."""
@@ -275,7 +275,14 @@ def declare(time_step: float | None, units: str | None) -> RecordDeclaration:
     """
     if time_step is not None:
         require_physical("time step", time_step)
-    return RecordDeclaration(time_step=time_step, units=None if units is None else parse_unit(units))
+    unit = None if units is None else find_unit(units)
+    if units is not None and unit is None:
+        raise InputError(
+            "Unknown unit of acceleration",
+            value=repr(units),
+            remedy=f"Use {', '.join(AccelerationUnit)}; gal is cm/s2",
+        )
+    return RecordDeclaration(time_step=time_step, units=unit)
 
 
 def _entries(

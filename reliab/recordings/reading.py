@@ -27,7 +27,7 @@ from reliab.recordings.recording import (
     Recording,
     StatedChannels,
 )
-from reliab.recordings.words import ANGLES, LENGTHS, split_unit, unit_of, units_text
+from reliab.recordings.words import ANGLES, split_unit, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -301,8 +301,6 @@ def declare_channels(
         from reliab.recordings.channels_file import read_channels_file
 
         laboratory = read_channels_file(channels)
-    if units is not None and units not in LENGTHS:
-        raise InputError(f"Unknown unit of length: {units!r}", remedy=f"Choose among {units_text(LENGTHS)}")
     result = dict(laboratory.declarations)
     for part, name in names.items():
         if name is not None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+from reliab.core.units import canonical_unit
 from reliab.core.vocabulary import STANDARD_GRAVITY
 
 
@@ -191,49 +192,30 @@ _POUND: Final = 4.4482216152605  # N
 
 UNITS: Final[Mapping[Measurand, Mapping[str, float]]] = {
     Measurand.TIME: {
-        **dict.fromkeys(
-            ("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "sn", "saniye", "秒", "초"), 1.0
-        ),
-        **dict.fromkeys(
-            ("ms", "msec", "msecs", "millisec", "millisecs", "millisecond", "milliseconds"), 1e-3
-        ),
-        **dict.fromkeys(("us", "µs", "usec", "usecs", "µsec", "microsecond", "microseconds"), 1e-6),
-        **dict.fromkeys(("ns", "nsec", "nanosecond", "nanoseconds"), 1e-9),
-        **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+        **dict.fromkeys(("s", "sek", "sekunden", "sn", "saniye", "秒", "초"), 1.0),
+        "ms": 1e-3,
+        "us": 1e-6,
+        "ns": 1e-9,
+        "min": 60.0,
         **dict.fromkeys(("h", "hr", "hour", "hours", "std", "stunden"), 3600.0),
         **dict.fromkeys(("d", "day", "days", "tage"), 86400.0),
         **dict.fromkeys(("week", "weeks"), 604800.0),
     },
     Measurand.DISPLACEMENT: {
-        **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), 1.0),
-        **dict.fromkeys(("cm", "centimeter", "centimetre", "centimeters"), 1e-2),
-        **dict.fromkeys(("mm", "millimeter", "millimetre", "millimeters", "millimetres"), 1e-3),
-        **dict.fromkeys(("um", "µm", "micron", "microns", "micrometer"), 1e-6),
+        "m": 1.0,
+        "cm": 1e-2,
+        "mm": 1e-3,
+        **dict.fromkeys(("um", "micron", "microns"), 1e-6),
         **dict.fromkeys(("in", "inch", "inches", "in.", '"'), 0.0254),
         **dict.fromkeys(("ft", "feet", "foot"), 0.3048),
         "mil": 2.54e-5,
     },
     Measurand.ACCELERATION: {
-        **dict.fromkeys(
-            (
-                "m/s2",
-                "m/s^2",
-                "m/s²",
-                "m/s/s",
-                "m.s-2",
-                "m s-2",
-                "m*s^-2",
-                "mps2",
-                "ms2",
-                "m/sec2",
-                "m/sec^2",
-            ),
-            1.0,
-        ),
-        **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "cm/s/s", "cm/sec2", "cm/sec^2", "gal"), 1e-2),
-        **dict.fromkeys(("mm/s2", "mm/s^2", "mm/s²", "mm/sec2", "mm/sec^2"), 1e-3),
-        **dict.fromkeys(("in/s2", "in/s^2", "in/sec2", "in/sec^2"), 0.0254),
-        **dict.fromkeys(("ft/s2", "ft/s^2", "ft/sec2", "ft/sec^2"), 0.3048),
+        **dict.fromkeys(("m/s2", "ms2"), 1.0),
+        "cm/s2": 1e-2,
+        "mm/s2": 1e-3,
+        "in/s2": 0.0254,
+        "ft/s2": 0.3048,
         **dict.fromkeys(("g", "grav"), STANDARD_GRAVITY),
         "mg": 1e-3 * STANDARD_GRAVITY,
     },
@@ -264,10 +246,7 @@ UNITS: Final[Mapping[Measurand, Mapping[str, float]]] = {
     Measurand.STATE: dict.fromkeys(("hz", "1/s", "%", "w", "kw", "j", "kj"), 1.0),
     Measurand.COUNT: dict.fromkeys(("-", "counts", "cnt", "segments", "cycles"), 1.0),
 }
-"""Factors to SI units; of quantities that no test is judged by they are not used and 1."""
-
-LENGTHS: Final = UNITS[Measurand.DISPLACEMENT]
-"""Units of displacement [m]."""
+"""Factors to SI units by `canonical_unit`; of quantities that no test is judged by they are unused and 1."""
 
 ANGLES: Final = ("rad", "mrad", "deg", "°")
 """Units of rotations that an actuator of several may command."""
@@ -291,7 +270,7 @@ _LAST_WORD: Final = re.compile(r"(?<!\d)[\s,;-]+(?:in\s+|/\s*)?([^\s\[({]+)$")
 def units_text(units: Mapping[str, float]) -> str:
     """List units for a message, each by its first spelling.
 
-    >>> units_text(LENGTHS)
+    >>> units_text(UNITS[Measurand.DISPLACEMENT])
     'm, cm, mm, um, in, ft, mil'
     """
     first: dict[float, str] = {}
@@ -318,7 +297,8 @@ def unit_of(text: str) -> Unit | None:
     plain = text.partition(" since ")[0].strip().translate(_SIGNS).strip()  # "seconds since 2026-01-01"
     multiple = _MULTIPLE.fullmatch(plain)
     single = plain if multiple is None else multiple[2]
-    unit = _UNIT_BY_NAME.get(single) or _UNIT_BY_NAME.get(single.lower())
+    spellings = (single, single.lower(), canonical_unit(single))
+    unit = next((_UNIT_BY_NAME[name] for name in spellings if name in _UNIT_BY_NAME), None)
     if unit is None or single in {"mN", "mn"}:
         return None
     quantity, name = unit

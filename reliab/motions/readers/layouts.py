@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.core.text_tables import parse_number
+from reliab.core.units import AccelerationUnit, ClockUnit
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import HEAD, RecordHeader, RecordLine, RecordText, Statement, split_line
 from reliab.motions.readers.statements import state_time_step
-from reliab.motions.units import AccelerationUnit, ClockUnit
 
 _EVENT = re.compile(r"^\W*event\s*[=:]\s*(.+?)\s*$", re.IGNORECASE)
 _EARTHQUAKE = r"^\W*(?:event|earthquake)"

@@ -6,6 +6,7 @@ import numpy as np
 
 from reliab.core.arrays import Array
 from reliab.core.text_tables import last_place, missing_mark
+from reliab.core.units import AccelerationUnit
 from reliab.core.vocabulary import STANDARD_GRAVITY
 from reliab.motions.faults import Report
 from reliab.motions.motion import PEAK_LIMIT_G
@@ -20,7 +21,6 @@ from reliab.motions.readers.source import (
     separate_numbers,
     split_line,
 )
-from reliab.motions.units import AccelerationUnit
 
 
 @dataclass(frozen=True, kw_only=True)

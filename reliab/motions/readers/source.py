@@ -14,8 +14,8 @@ from reliab.core.arrays import Array
 from reliab.core.encodings import as_utf8, decode_text
 from reliab.core.files import ordinary
 from reliab.core.text_tables import is_number, parse_number
+from reliab.core.units import AccelerationUnit, ClockUnit
 from reliab.motions.faults import Report
-from reliab.motions.units import AccelerationUnit, ClockUnit
 
 T = TypeVar("T")
 

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from reliab.core.text_tables import NUMBER, last_place, parse_number
+from reliab.core.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 from reliab.motions.faults import Report
 from reliab.motions.readers.source import LONGEST_LINE, RecordLine, Statement
-from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE
 _NAMES = re.compile(r"^[#%!/\s]*(?:motion|event|name)\s*[=:]", _FLAGS)

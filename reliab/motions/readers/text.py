@@ -23,6 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from reliab.core.text_tables import parse_number
+from reliab.core.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 from reliab.motions.faults import Report
 from reliab.motions.readers import statements
 from reliab.motions.readers.layouts import PLAIN, Layout
@@ -39,7 +40,6 @@ from reliab.motions.readers.source import (
     separate_numbers,
     split_line,
 )
-from reliab.motions.units import CLOCK_UNIT, AccelerationUnit, ClockUnit, find_clock_unit, find_unit
 
 _FLAGS = re.IGNORECASE
 _LABEL = re.compile(r"^[A-Za-z ]*:\s*")

@@ -32,6 +32,7 @@ from reliab.core.text_tables import (
     number_of,
     time_of_day,
 )
+from reliab.core.units import find_clock_unit
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.columns import Columns, Series, seconds_between, unclear_in
 from reliab.recordings.words import Measurand, unit_of
@@ -168,7 +169,8 @@ def _sampling(lines: Sequence[str], delimiter: str, *, decimal_comma: bool) -> d
         if match is None or not (value := _header_number(match[3], decimal_comma=decimal_comma)):
             continue
         words = [match[4], *re.findall(r"[a-zµμ/]+", match[2], re.IGNORECASE)]
-        hertz = next((_HERTZ[word.lower()] for word in words if word.lower() in _HERTZ), None)
+        clocks = filter(None, map(find_clock_unit, words))
+        hertz = next((clock.size for clock in clocks if clock.is_frequency), None)
         units = (unit_of(word) for word in words)
         seconds = next((unit.factor for unit in units if unit and unit.quantity is Measurand.TIME), None)
         is_step = bool(_STEP.match(match[1])) if hertz is None and seconds is None else hertz is None

@@ -3,14 +3,14 @@ import re
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.motions.units import (
+from reliab.core.units import (
     CLOCK_UNIT,
     AccelerationUnit,
     ClockUnit,
     find_clock_unit,
     find_unit,
-    parse_unit,
 )
+from reliab.motions.loading import load_motions
 
 G, CM, M, MM, TENTH = AccelerationUnit
 
@@ -79,7 +79,7 @@ def test_a_square_sign_in_utf8_read_as_latin1_is_recognised() -> None:
 def test_anything_else_is_no_unit_of_acceleration(text: str) -> None:
     assert find_unit(text) is None
     with pytest.raises(InputError, match="Unknown unit"):
-        parse_unit(text)
+        load_motions("synthetic", units=text)
 
 
 def test_one_g_is_981_gal_and_a_metre_is_a_hundred_centimetres() -> None:
