@@ -403,5 +403,8 @@ LIMITS: Final[Mapping[str, FileLimits]] = {
     ),
     "figure": FileLimits(bytes=50_000_000, remedy="Run the study again with `reliab run`"),
     "test": FileLimits(bytes=2_000_000_000, remedy=_SHORTER_TEST),
+    "text of a test": FileLimits(  # which takes about seven times its size in memory
+        bytes=400_000_000, remedy=f"{_SHORTER_TEST}, or export it as HDF5 or TDMS"
+    ),
 }
 """Limits by the kind of file."""

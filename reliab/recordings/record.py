@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from reliab.core.encodings import as_text
-from reliab.core.files import decoding, ordinary, require_small, written_whole
+from reliab.core.files import LIMITS, decoding, ordinary, written_whole
 from reliab.core.shipped import checksum_of
 from reliab.core.stated_value import RANGES
 from reliab.core.untrusted_files import objects_of, open_hdf5
@@ -41,7 +41,6 @@ _VARIABLES: Final = {
     Part.GROUND: ("ground_acceleration", "m s-2", "ground acceleration"),
 }
 _REQUIRED_ATTRIBUTES: Final = ("schema", "source_file", "source_sha256", "sampling_rate_hz", "time_step_s")
-_MOST_BYTES: Final = 2_000_000_000
 _DIGITS: Final = 64  # of a checksum
 _EVEN: Final = 1e-6  # of a step
 """By which a time of a record may be off."""
@@ -110,10 +109,10 @@ def write_csv(record: "xr.Dataset", histories: ChannelHistories, path: str | Pat
 def check_record(path: str | Path) -> list[str]:
     """Say in sentences what is wrong with a record, if anything is; what is no NetCDF file is refused."""
     with decoding("This is no record", remedy="Make it with `reliab record`", where=path):
-        require_small(ordinary(path), _MOST_BYTES, remedy="Cut the test")
+        LIMITS["test"].require_small(ordinary(path))
         with open_hdf5(path) as file:
-            if sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file)) > _MOST_BYTES:
-                raise ValueError(f"more than {_MOST_BYTES} bytes declared")
+            size = sum(int(getattr(item, "nbytes", 0)) for _, item in objects_of(file))
+            LIMITS["test"].require_few_numbers(size, path)
             return list(_faults(file))
 
 

@@ -10,7 +10,7 @@ import pytest
 import reliab
 from reliab.core.errors import InputError
 from reliab.core.files import LIMITS
-from reliab.recordings.readers import hierarchical, layouts, registry, text as texts
+from reliab.recordings.readers import layouts, registry
 from reliab.recordings.readers.columns import Series
 from reliab.recordings.readers.layouts import tests_of_tree as of_tree
 from reliab.recordings.recording import FEWEST_SAMPLES, LARGEST_READING, Recording, require_few_samples
@@ -151,14 +151,18 @@ def test_huge_file_is_refused_before_reading(monkeypatch, tmp_path):
         registry.read_tests(tmp_path / "t.csv")
 
 
+def limit_test(monkeypatch, kind, **sizes):
+    monkeypatch.setitem(LIMITS, kind, replace(LIMITS[kind], **sizes))
+
+
 def test_numbers_of_a_file_are_bounded_together_and_before_they_are_read(monkeypatch, tmp_path):
     path = tmp_path / "test.h5"
     with h5py.File(path, "w") as file:
         for name in ("time", "command", "measured"):
             file[name] = TABLE[name].to_numpy()
-    monkeypatch.setattr(hierarchical, "_MOST_BYTES", 3 * 8 * MOVING.size)
+    limit_test(monkeypatch, "test", numbers=3 * 8 * MOVING.size)
     assert reliab.read_recording(path).command.size == MOVING.size
-    monkeypatch.setattr(hierarchical, "_MOST_BYTES", 3 * 8 * MOVING.size - 1)
+    limit_test(monkeypatch, "test", numbers=3 * 8 * MOVING.size - 1)
     with pytest.raises(InputError, match=r"more than 0\.047999 MB of numbers"):
         reliab.read_recording(path)
 
@@ -166,9 +170,9 @@ def test_numbers_of_a_file_are_bounded_together_and_before_they_are_read(monkeyp
 def test_a_text_is_bounded_before_it_is_read_and_the_remedy_is_another_format(monkeypatch, tmp_path):
     path = tmp_path / "test.csv"
     TABLE.to_csv(path, index=False)
-    monkeypatch.setattr(texts, "_MOST_BYTES", path.stat().st_size)
+    limit_test(monkeypatch, "text of a test", bytes=path.stat().st_size)
     assert reliab.read_recording(path).command.size == MOVING.size
-    monkeypatch.setattr(texts, "_MOST_BYTES", path.stat().st_size - 1)
+    limit_test(monkeypatch, "text of a test", bytes=path.stat().st_size - 1)
     with pytest.raises(InputError, match="or export it as HDF5"):
         reliab.read_recording(path)
 

@@ -1,5 +1,6 @@
 """Objects of MATLAB's classes as MATLAB saved them; the numbers are those of the scripts that made them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from reliab.core.errors import InputError
-from reliab.recordings.readers import hierarchical
+from reliab.core.files import LIMITS
 from reliab.recordings.readers.hierarchical import read_hierarchical
 from reliab.recordings.readers.matlab import tree_of_objects
 from reliab.recordings.readers.registry import read_tests
@@ -87,8 +88,8 @@ def test_numbers_of_a_file_with_objects_are_bounded_before_these_are_read(monkey
     with h5py.File(path) as file:
         sizes: list[int] = []
         file.visititems(lambda _, item: sizes.append(getattr(item, "nbytes", 0)))
-    monkeypatch.setattr(hierarchical, "_MOST_BYTES", sum(sizes))
+    monkeypatch.setitem(LIMITS, "test", replace(LIMITS["test"], numbers=sum(sizes)))
     assert read_hierarchical(path)
-    monkeypatch.setattr(hierarchical, "_MOST_BYTES", sum(sizes) - 1)
-    with pytest.raises(ValueError, match="bytes of numbers, of at most"):
+    monkeypatch.setitem(LIMITS, "test", replace(LIMITS["test"], numbers=sum(sizes) - 1))
+    with pytest.raises(ValueError, match="MB of numbers"):
         read_hierarchical(path)

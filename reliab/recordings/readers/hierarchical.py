@@ -8,10 +8,11 @@ import numpy as np
 import scipy
 
 from reliab.core.errors import InputError
+from reliab.core.files import LIMITS
 from reliab.core.significant_digits import counted
 from reliab.core.untrusted_files import lists_of_scales, objects_of, open_hdf5
 from reliab.recordings.readers.columns import Columns, Series, plain, series_of
-from reliab.recordings.readers.layouts import Tree, tests_of_tree
+from reliab.recordings.readers.layouts import Tree, require_shallow, tests_of_tree
 from reliab.recordings.readers.matlab import tree_of_objects
 from reliab.recordings.recording import require_few_samples
 
@@ -33,10 +34,8 @@ STATED_ATTRIBUTES: Final = ("f", "xi", "alpha", "mass", "scale", "skew")
 _SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 _MATLAB_BLOCK: Final = 512  # bytes that MATLAB 7.3 puts before the signature
 _CLASSIC: Final = (b"CDF\x01", b"CDF\x02")
-_MOST_BYTES: Final = 2_000_000_000  # of all numbers together
 _MOST_ITEMS: Final = 20_000  # of cells and elements of structures together
 _LARGE: Final = 1_000_000  # bytes of what may not be referred to twice
-_DEEPEST: Final = 16
 _NEVER_WRITTEN: Final = {
     "i2": (-32767.0,),
     "i4": (-2147483647.0,),
@@ -141,21 +140,21 @@ class _Contents:
         """All groups and datasets but those that MATLAB only refers to."""
         return self._group(self._file, 0)
 
+    def _item(self, item: "h5py.HLObject", depth: int) -> Tree:
+        import h5py
+
+        return self._group(item, depth) if isinstance(item, h5py.Group) else self._dataset(item, depth)
+
     def _group(self, group: "h5py.Group", depth: int) -> dict[str, Tree]:
         import h5py
 
-        self._require_shallow(depth)
+        require_shallow(depth, self._path.name)
         content: dict[str, Tree] = {}
         for name in group:
             link = group.get(name, getlink=True)
             if name.startswith("#") or not isinstance(link, h5py.HardLink):
                 continue
-            item = group[name]
-            content[name] = (
-                self._group(item, depth + 1)
-                if isinstance(item, h5py.Group)
-                else self._dataset(item, depth + 1)
-            )
+            content[name] = self._item(group[name], depth + 1)
         if "MATLAB_sparse" in group.attrs:
             return {}  # no history: places and values of what is not zero
         if group.attrs.get("MATLAB_class") == b"struct" and (elements := self._elements(group, content)):
@@ -185,8 +184,7 @@ class _Contents:
         ]
 
     def _dataset(self, item: "h5py.Dataset", depth: int) -> Tree:
-
-        self._require_shallow(depth)
+        require_shallow(depth, self._path.name)
         kind = item.attrs.get("MATLAB_class", b"")
         if "MATLAB_empty" in item.attrs:
             return np.zeros(0)
@@ -196,12 +194,7 @@ class _Contents:
             max(item.shape, default=0), f"{self._path.name}, {item.name.strip('/').replace('/', '.')}"
         )
         self._bytes += int(item.nbytes)
-        if self._bytes > _MOST_BYTES:
-            raise InputError(
-                f"The file holds more than {_MOST_BYTES / 1e6:,.6g} MB of numbers",
-                remedy="Export only the channels of the test",
-                where=self._path.name,
-            )
+        LIMITS["test"].require_few_numbers(self._bytes, self._path.name)
         values = np.asarray(item[()])
         if item.dtype.names:
             return {name: np.asarray(values[name]) for name in item.dtype.names}
@@ -247,8 +240,6 @@ class _Contents:
         return [target for target in targets if isinstance(target, h5py.Dataset)]
 
     def _resolve_references(self, item: "h5py.Dataset", depth: int) -> list[Tree]:
-        import h5py
-
         self._items += item.size
         if self._items > _MOST_ITEMS:
             raise InputError(
@@ -256,23 +247,7 @@ class _Contents:
                 remedy="Save the channels as vectors",
                 where=self._path.name,
             )
-        content = []
-        for reference in np.asarray(item[()]).reshape(-1):
-            target = self._file[reference]
-            content.append(
-                self._group(target, depth + 1)
-                if isinstance(target, h5py.Group)
-                else self._dataset(target, depth + 1)
-            )
-        return content
-
-    def _require_shallow(self, depth: int) -> None:
-        if depth > _DEEPEST:
-            raise InputError(
-                f"Structures are nested more than {_DEEPEST} deep",
-                remedy="Save the channels as vectors",
-                where=self._path.name,
-            )
+        return [self._item(self._file[reference], depth + 1) for reference in np.ravel(item[()])]
 
 
 def _refers(item: "h5py.Dataset") -> bool:
@@ -336,8 +311,7 @@ def _require_single_references(file: "h5py.File") -> None:
             if place in visited and not small:
                 raise ValueError("a part that is referred to twice")
             visited.add(place)
-    if total > _MOST_BYTES:
-        raise ValueError(f"{total:,} bytes of numbers, of at most {_MOST_BYTES:,}")
+    LIMITS["test"].require_few_numbers(total, file.filename)
 
 
 def _characters(values: np.ndarray) -> str | list[str]:

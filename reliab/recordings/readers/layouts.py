@@ -26,6 +26,7 @@ _WIDEST: Final = 64  # columns of a matrix
 _FEWEST_SAMPLES: Final = 16  # of a vector that is a history rather than a list of settings
 _MATRIX: Final = 2
 _DEEPEST_NAME: Final = 4
+_DEEPEST: Final = 16
 _GENERIC: Final = re.compile(
     r"^(?:out|in|value|values|data|signal|output|input|port)?\s*[\[(]?\d*[\])]?$", re.IGNORECASE
 )
@@ -53,6 +54,16 @@ class _Histories:
             count += 1
             free = f"{name} ({count})"
         self.series[free] = series
+
+
+def require_shallow(depth: int, location: str = "") -> None:
+    """Refuse structures within structures to no end."""
+    if depth > _DEEPEST:
+        raise InputError(
+            f"Structures are nested more than {_DEEPEST} deep",
+            remedy="Save the channels as vectors",
+            where=location,
+        )
 
 
 def tests_of_tree(path: Path, tree: Mapping[str, Tree]) -> list[Columns]:

@@ -15,13 +15,12 @@ import numpy as np
 from reliab.core.arrays import Array
 from reliab.core.encodings import as_utf8, decode_text
 from reliab.core.errors import InputError
-from reliab.core.files import require_small
+from reliab.core.files import LIMITS
 from reliab.core.text_tables import cells_of, lines_of, number_of
 from reliab.recordings.readers.columns import Columns, Series, date_of
-from reliab.recordings.readers.text import TOO_LARGE, join_tables, tables_of
+from reliab.recordings.readers.text import join_tables, tables_of
 
 _END: Final = "***End_of_Header***"
-_MOST_BYTES: Final = 400_000_000
 _SEPARATOR: Final = re.compile(r"Separator(\W)")
 _ABSOLUTE: Final = 1e8  # s, from which times count from LabVIEW's own date
 _FIRST_DATE: Final = np.datetime64("1904-01-01", "ns")
@@ -34,7 +33,7 @@ def recognises(head: bytes) -> bool:
 
 def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read the tests of a file, each of one segment or of several that go on one another."""
-    require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as TDMS")
+    LIMITS["text of a test"].require_small(path)
     lines = lines_of(decode_text(path.read_bytes()))
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
     header_end = lines[: ends[0] if ends else 0]

@@ -19,7 +19,7 @@ from reliab.recordings.readers.columns import (
     series_of_frame,
     start_of,
 )
-from reliab.recordings.readers.layouts import Tree, tests_of_tree
+from reliab.recordings.readers.layouts import Tree, require_shallow, tests_of_tree
 from reliab.recordings.recording import require_few_samples
 from reliab.simulation.transfer_systems.matlab_structure import require_sound_structure, subsystem_of
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-_DEEPEST: Final = 16
 _MOST_ITEMS: Final = 10_000  # of a cell array, a structure array or a vector of texts
 
 
@@ -45,47 +44,49 @@ def tree_of_objects(path: Path) -> dict[str, Tree]:
                 where=path.name,
             ) from None
         content = matio.load_from_mat(str(path), raw_data=False, add_table_attrs=True)
-    return {name: _as_tree(item) for name, item in content.items() if not name.startswith("__")}
+    return _variables(content)
 
 
-def _require_shallow(depth: int) -> None:
-    if depth > _DEEPEST:
-        raise InputError(
-            f"Structures are nested more than {_DEEPEST} deep",
-            remedy="Save the channels as vectors",
-        )
+def _variables(content: Mapping[str, Any]) -> dict[str, Tree]:
+    return {name: as_tree(item) for name, item in content.items() if not name.startswith("__")}
 
 
-def _as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what mat-io makes of a variable
-    _require_shallow(depth)
+def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy or mat-io makes of a variable
+    """Take structures as mappings, cells as lists, characters as text, times in seconds."""
+    require_shallow(depth)
     if is_frame(item):
         return _convert_table(item)
     if isinstance(item, np.ndarray):
         return _convert_array(item, depth)
+    if isinstance(item, Mapping):
+        return {str(name): as_tree(value, depth + 1) for name, value in item.items()}
+    if isinstance(item, list | tuple):
+        return [as_tree(value, depth + 1) for value in item[:_MOST_ITEMS]]
     if isinstance(properties := getattr(item, "properties", None), Mapping):
-        content = {str(name): _as_tree(value, depth + 1) for name, value in properties.items()}
+        content = as_tree(properties, depth)
         return _convert_timeseries(content) if getattr(item, "classname", "") == "timeseries" else content
-    return item if isinstance(item, str | int | float) else str(item)
+    return item if isinstance(item, str | int | float) else np.asarray(item)
 
 
 def _convert_array(item: np.ndarray, depth: int) -> Tree:
-    """Take structures as mappings, cells as lists, characters as text, times in seconds."""
     if "function_handle" in (item.dtype.names or ()):
         return ""  # its workspace may hold whatever stood beside it
+    if (item.dtype.names or item.dtype == object) and item.size > _MOST_ITEMS:
+        raise InputError(
+            f"A cell array has more than {_MOST_ITEMS:,} cells",
+            value=f"{item.size:,}",
+            remedy="Save the channels as vectors of numbers",
+        )
     if item.dtype.names:
         rows = [
-            {name: _as_tree(row[name], depth + 1) for name in item.dtype.names}
-            for row in item.reshape(-1)[:_MOST_ITEMS]
+            {name: as_tree(row[name], depth + 1) for name in item.dtype.names} for row in item.reshape(-1)
         ]
         return rows[0] if len(rows) == 1 else rows
     if item.dtype == object:
-        return [_as_tree(value, depth + 1) for value in item.reshape(-1, order="F")[:_MOST_ITEMS]]
+        return [as_tree(value, depth + 1) for value in item.reshape(-1, order="F")]
     if item.dtype.kind in "UST":
-        return (
-            str(item.reshape(-1)[0])
-            if item.size == 1
-            else [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
-        )
+        texts = [str(text) for text in item.reshape(-1)[:_MOST_ITEMS]]
+        return texts[0] if len(texts) == 1 else texts
     if item.dtype.kind not in "mM" or _is_calendar(item):
         return item
     instants = item.reshape(-1)
@@ -174,28 +175,7 @@ def read_matlab(path: Path, _delimiter: str | None = None) -> list[Columns]:
         return tests_of_tree(path, tree_of_objects(path))
     for name, shape, _ in scipy.io.whosmat(path):
         require_few_samples(max(shape, default=0), f"{path.name}, {name}")
-    content = scipy.io.loadmat(path, simplify_cells=True)
-    return tests_of_tree(
-        path, {name: as_tree(item) for name, item in content.items() if not name.startswith("__")}
-    )
-
-
-def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy makes of a variable
-    """Structures as mappings, cells and arrays of structures as lists, characters as text."""
-    _require_shallow(depth)
-    if isinstance(item, Mapping):
-        return {str(name): as_tree(value, depth + 1) for name, value in item.items()}
-    if isinstance(item, np.ndarray) and item.dtype == object:
-        if item.size > _MOST_ITEMS:
-            raise InputError(
-                f"A cell array has more than {_MOST_ITEMS:,} cells",
-                value=f"{item.size:,}",
-                remedy="Save the channels as vectors of numbers",
-            )
-        return [as_tree(value, depth + 1) for value in item.reshape(-1, order="F")]
-    if isinstance(item, list | tuple):
-        return [as_tree(value, depth + 1) for value in item[:_MOST_ITEMS]]
-    return item if isinstance(item, str) else np.asarray(item)
+    return tests_of_tree(path, _variables(scipy.io.loadmat(path, simplify_cells=True)))
 
 
 _HEADER: Final = 20  # bytes
@@ -225,10 +205,7 @@ def recognises_matlab_4(head: bytes) -> bool:
 def read_matlab_4(path: Path, _delimiter: str | None = None) -> list[Columns]:
     """Read the vectors and matrices of a file, whose sizes are compared with its own before."""
     _require_whole(path)
-    content = scipy.io.loadmat(path, simplify_cells=True)
-    return tests_of_tree(
-        path, {name: as_tree(item) for name, item in content.items() if not name.startswith("__")}
-    )
+    return tests_of_tree(path, _variables(scipy.io.loadmat(path, simplify_cells=True)))
 
 
 def _require_whole(path: Path) -> None:

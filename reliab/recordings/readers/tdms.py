@@ -10,8 +10,9 @@ from typing import Any, Final
 import numpy as np
 
 from reliab.core.errors import InputError
+from reliab.core.files import LIMITS
 from reliab.recordings.readers.columns import Columns, Series, seconds, series_of, start_of
-from reliab.recordings.readers.layouts import MOST_COLUMNS, Tree, tests_of_tree
+from reliab.recordings.readers.layouts import Tree, tests_of_tree
 from reliab.recordings.recording import require_few_samples
 
 _SIGNATURE: Final = b"TDSm"
@@ -33,7 +34,6 @@ _KNOWN_SCALES: Final = frozenset(
 )
 _LONGEST: Final = 40  # characters of a property that a message repeats
 _INCOMPLETE: Final = "The file ends within its last segment, as after a logger that was stopped."
-_MOST_BYTES: Final = 2_000_000_000  # of all numbers together, as they are read
 
 
 def recognises(head: bytes) -> bool:
@@ -67,22 +67,9 @@ def read_tdms(path: Path, _delimiter: str | None = None) -> list[Columns]:
 
 def _require_bounded(channels: list[Any], path: Path) -> None:
     """Refuse what would not fit in memory, before it is read."""
-    if len(channels) > MOST_COLUMNS:
-        raise InputError(
-            f"The file holds more than {MOST_COLUMNS} channels",
-            value=len(channels),
-            remedy="Export only those of the test",
-            where=path.name,
-        )
     for channel in channels:
         require_few_samples(len(channel), f"{path.name}, {channel.name}")
-    if (total := 8 * sum(len(channel) for channel in channels)) > _MOST_BYTES:
-        raise InputError(
-            f"The file holds more than {_MOST_BYTES / 1e6:,.6g} MB of numbers",
-            value=f"{total / 1e6:,.6g} MB",
-            remedy="Export only the channels of the test",
-            where=path.name,
-        )
+    LIMITS["test"].require_few_numbers(8 * sum(map(len, channels)), path.name)
 
 
 def _group(group: Any, file_properties: Mapping[str, object]) -> dict[str, Tree]:  # noqa: ANN401 - npTDMS is untyped

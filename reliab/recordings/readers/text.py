@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from reliab.core.encodings import decode_text, encoding_of
 from reliab.core.errors import InputError
-from reliab.core.files import require_small
+from reliab.core.files import LIMITS
 from reliab.core.text_tables import (
     COMMENTS,
     FEWEST_COLUMNS,
@@ -248,8 +248,6 @@ def _lateness(series: Series, addition: Series) -> float:
     return seconds_between(series.start, addition.start)
 
 
-TOO_LARGE: Final = "Leave columns out, resample the test, or cut it where everything stands still"
-_MOST_BYTES: Final = 400_000_000  # a text takes about seven times its size in memory
 _DELIMITERS: Final = (";", "\t", ",", "")
 _LABEL = re.compile(r"^(?!(?:nan|null|none|inf)$)[a-z][a-z _]{2,}:?$", re.IGNORECASE)  # of a setting
 _LONGEST_PREAMBLE = 5_000_000  # characters
@@ -264,7 +262,7 @@ def recognises(head: bytes) -> bool:
 
 def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read all tables of a text."""
-    require_small(path, _MOST_BYTES, remedy=f"{TOO_LARGE}, or export it as HDF5")
+    LIMITS["text of a test"].require_small(path)
     return tables_of(lines_of(decode_text(path.read_bytes())), path, delimiter)
 
 
