@@ -256,6 +256,7 @@ TIMES: Final = UNITS[Measurand.TIME]
 
 _SIGNS: Final = str.maketrans({"μ": "µ", "·": ".", "⋅": ".", "−": "-", "[": "", "]": "", "(": "", ")": ""})
 _UNIT_BY_NAME: Final = {name: (quantity, name) for quantity, names in UNITS.items() for name in names}
+_AMBIGUOUS: Final = frozenset({"mN", "mn", "millis", "micros"})  # counts of a timer, for all that is known
 _NOT_ENDINGS: Final = frozenset({"a", "c", "d", "f", "h", "k", "std", "-", "%", "min", "in.", '"'})
 _SPACED_UNITS: Final = frozenset(
     {"mm", "cm", "kn", "ms", "sec", "kip", "kips", "lbf", "µm", "gal", "m/s2", "m/s^2", "mm/s"}
@@ -299,7 +300,7 @@ def unit_of(text: str) -> Unit | None:
     single = plain if multiple is None else multiple[2]
     spellings = (single, single.lower(), canonical_unit(single))
     unit = next((_UNIT_BY_NAME[name] for name in spellings if name in _UNIT_BY_NAME), None)
-    if unit is None or single in {"mN", "mn"}:
+    if unit is None or single in _AMBIGUOUS:
         return None
     quantity, name = unit
     times = 1.0 if multiple is None else float(multiple[1])

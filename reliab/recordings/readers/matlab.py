@@ -65,7 +65,8 @@ def as_tree(item: Any, depth: int = 0) -> Tree:  # noqa: ANN401 - what SciPy or 
     if isinstance(properties := getattr(item, "properties", None), Mapping):
         content = as_tree(properties, depth)
         return _convert_timeseries(content) if getattr(item, "classname", "") == "timeseries" else content
-    return item if isinstance(item, str | int | float) else np.asarray(item)
+    is_number = isinstance(item, np.generic) and item.dtype.kind in "iufcb"
+    return np.asarray(item) if is_number else item if isinstance(item, str | int | float) else str(item)
 
 
 def _convert_array(item: np.ndarray, depth: int) -> Tree:
