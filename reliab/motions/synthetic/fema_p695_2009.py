@@ -20,7 +20,7 @@ import scipy
 
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import STANDARD_GRAVITY
-from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import VALID_RANGES, Mechanism, Scenario
+from reliab.motions.synthetic.dabaghi_der_kiureghian_2018 import Mechanism, Scenario
 from reliab.motions.synthetic.recording import RandomStream
 
 # slip type: a, b, s
@@ -56,6 +56,9 @@ _DISTANCE_SCALE: Final = 11.1
 _DISTANCE_SHAPE: Final = 1.5
 _SHORTEST_DISTANCE: Final = 0.5
 _LONGEST_DISTANCE: Final = 31.0
+
+# Directivity length [km]: what the model was fitted to.
+_DIRECTIVITY_LENGTHS: Final = (1.2, 135.0)
 
 # V_S30 [m/s]: lognormal, cut.
 _MEDIAN_VELOCITY: Final = 370.0
@@ -108,14 +111,13 @@ def draw_scenario(earthquake: Earthquake, stream: RandomStream) -> Scenario:
     distance = _draw_distance(max(_SHORTEST_DISTANCE, earthquake.depth_to_top), stream)
     parallel, normal = _draw_site(earthquake.length, sqrt(distance**2 - earthquake.depth_to_top**2), stream)
     nearest = min(max(parallel, 0.0), earthquake.length)
-    shortest, longest, _ = VALID_RANGES["directivity_length"]
     return Scenario(
         magnitude=earthquake.magnitude,
         mechanism=earthquake.mechanism,
         depth_to_top=earthquake.depth_to_top,
         rupture_distance=distance,
         shear_wave_velocity=_draw_velocity(stream),
-        directivity_length=min(max(abs(nearest - earthquake.hypocentre), shortest), longest),
+        directivity_length=float(np.clip(abs(nearest - earthquake.hypocentre), *_DIRECTIVITY_LENGTHS)),
         directivity_angle=degrees(atan2(normal, abs(parallel - earthquake.hypocentre))),
     )
 
