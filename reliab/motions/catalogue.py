@@ -9,13 +9,12 @@ should state; they are compared with the header. Further columns are ignored.
 
 import csv
 import re
-import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from reliab.core.encodings import as_cell, restore_cell
+from reliab.core.encodings import as_cell, printable, restore_cell
 from reliab.core.errors import InputError
 from reliab.core.files import folder_written_whole, refuse_unwritable
 from reliab.core.text_tables import parse_number
@@ -294,8 +293,4 @@ def _as_file(name: str) -> str:
 
 def _one_line(text: str) -> str:
     """Write a label in one line of text, with what is no text as Python writes it."""
-    line = " ".join(text.split())
-    return "".join(
-        sign.encode("unicode_escape").decode() if unicodedata.category(sign) in {"Cc", "Cs"} else sign
-        for sign in line
-    )
+    return printable(" ".join(text.split()))
