@@ -298,7 +298,8 @@ def unit_of(text: str) -> Unit | None:
     plain = text.partition(" since ")[0].strip().translate(_SIGNS).strip()  # "seconds since 2026-01-01"
     multiple = _MULTIPLE.fullmatch(plain)
     single = plain if multiple is None else multiple[2]
-    spellings = (single, single.lower(), canonical_unit(single))
+    is_name = re.fullmatch(r"[a-z]\W", single, re.IGNORECASE)  # "d." and "F."
+    spellings = (single, single.lower(), "" if is_name else canonical_unit(single))
     unit = next((_UNIT_BY_NAME[name] for name in spellings if name in _UNIT_BY_NAME), None)
     if unit is None or single in _AMBIGUOUS:
         return None

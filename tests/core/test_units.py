@@ -89,3 +89,25 @@ def test_every_unit_of_a_step_or_rate_is_recognised(
 @pytest.mark.parametrize("text", ["", "m", "g", "ticks", "cm/s2"])
 def test_anything_else_is_no_unit_of_a_clock(text: str) -> None:
     assert find_clock_unit(text) is None
+
+
+@pytest.mark.parametrize(
+    ("factor", "spellings"),
+    [
+        (1.0, ["sec", "SECONDS", "m", "metre", "meters"]),
+        (1e-3, ["ms", "msecs", "milliseconds", "mm", "millimeter"]),
+        (1e-6, ["µs", "μs", "[usec]", "microsecond", "µm", "um", "microns", "micrometer"]),
+        (1e-9, ["ns", "nsec", "nanoseconds"]),
+        (60.0, ["min", "minutes"]),
+    ],
+)
+def test_units_of_channels_are_recognised_in_every_spelling(factor: float, spellings: list[str]) -> None:
+    for spelling in spellings:
+        unit = unit_of(spelling)
+        assert unit is not None
+        assert unit.factor == factor
+
+
+@pytest.mark.parametrize("text", ["d.", "F.", "s.", "millis", "milli", "micro", "kilo", "mN"])
+def test_anything_else_is_no_unit_of_a_channel(text: str) -> None:
+    assert unit_of(text) is None
