@@ -35,7 +35,7 @@ _EQUIVALENT: Final = tuple(
     for pattern, replacement in (
         (r"^[\s,;:]+|[\s,;:]+$|[\s*^.·â()\[\]{}\"]", ""),
         (r"²", "2"),
-        (r"sps|samples?(?:/|per)s.*", "hz"),
+        (r"^([km]?)sps$|^samples?(?:/|per)s.*", r"\1hz"),
         (r"(milli|micro|nano|kilo)-", r"\1"),
         (r"sec(?:ond)?s?", "s"),
         (r"min(?:ute)?s?$", "min"),
