@@ -227,11 +227,12 @@ def outline_of(acceleration: Array, time_step: float) -> str:
 
 def are_copies(outlines: Iterable[str], other_outlines: Iterable[str]) -> NDArray[np.bool_]:
     """Whether records are copies of others by their outlines, shape (records, others)."""
-    signs, others_signs = (
-        np.array([2.0 * np.unpackbits(np.frombuffer(bytes.fromhex(text), np.uint8)) - 1.0 for text in texts])
+    bits, other_bits = (
+        np.frombuffer(bytes.fromhex("".join(texts)), np.uint8).reshape(-1, _BITS // 8)
         for texts in (outlines, other_outlines)
     )
-    return np.asarray(0.5 * (_BITS - signs @ others_signs.T) <= _MOST_DIFFERENT_BITS)
+    different_bits = np.bitwise_count(bits[:, np.newaxis] ^ other_bits).sum(axis=2)
+    return np.asarray(different_bits <= _MOST_DIFFERENT_BITS)
 
 
 @cache
