@@ -231,6 +231,24 @@ def test_slow_rig_with_stroke_and_friction_is_accepted(frequencies, amplitudes, 
     require_consistent(campaign)
 
 
+@pytest.mark.parametrize(("moves", "is_accepted"), [(0.1, True), (1.0, False)])
+def test_a_test_within_a_gap_may_have_a_force_of_noise(moves, is_accepted):
+    """A load cell that was lost in a test as large as the others has noise, too."""
+    campaign = keep_channels(read_rig("rig_a"), READING, FORCE)
+    first, *others = campaign.tests
+    noise = np.random.default_rng(1).standard_normal(first.size)
+    channels = {
+        READING: moves * first.channels[READING],
+        FORCE: 0.02 * first.channels[FORCE].std() * noise,
+    }
+    spoilt = replace(campaign, tests=(replace(first, channels=channels), *others))
+    if is_accepted:
+        require_consistent(spoilt)
+    else:
+        with pytest.raises(InputError, match="does not follow the measured displacement"):
+            require_consistent(spoilt)
+
+
 def test_a_copied_channel_is_told_beside_the_diagnosis():
     campaign = read_rig("rig_b")
     copied_test = replace(

@@ -34,6 +34,8 @@ _REMEDY_OF_SIZE: Final = f"{_REMEDY}; leave out a test whose loop diverged"
 _BINS_IN_BAND = 4.0  # of the shortest test: narrower than a resonance; noise is not coherent in a band
 _COHERENT = 0.8
 _NOISY = 0.001  # of the command's RMS
+_SMALL: Final = {Channel.MEASURED: 0.5, Channel.FORCE: 0.1}
+"""Of the largest RMS in a campaign: a motion that a gap may hide, and a force that may be noise."""
 _MOTION_COHERENCE = 0.3  # mean of the upper half of the spectrum; of noise it is one over the stretches
 _LONGEST_STRETCH, _FEWEST_STRETCHES = 512, 8  # samples of a spectrum, and how many are averaged
 _REST_SHARE = 0.1  # of the largest displacement
@@ -76,7 +78,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
 
 def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) -> Iterator[str]:
     """Say what may be wrong with the channels beside a measured displacement; refuse what surely is."""
-    command, force = test.channels.get(Channel.COMMAND), test.channels.get(Channel.FORCE)
+    command, force = test.channels.get(Channel.COMMAND), _telling_force(test, campaign)
     specimen = campaign.nominal.specimen
     stiffness = None if specimen is None else specimen.stiffness
     if command is None:
@@ -96,6 +98,19 @@ def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) 
     if campaign.structure is not None and force is not None:
         shaken = replace(recording, ground=test.channels.get(Channel.GROUND))
         yield from doubts_of_ground(shaken, campaign.structure, campaign.mass)
+
+
+def _telling_force(test: MeasuredTest, campaign: Campaign) -> Array | None:
+    """Force of a test; None where motion and force are so small that a gap may leave only noise."""
+    sizes = {
+        channel: max(float(np.std(other.channels.get(channel, 0.0))) for other in campaign.tests)
+        for channel in _SMALL
+    }
+    is_small = all(
+        0.0 < float(np.std(test.channels.get(channel, 0.0))) < share * sizes[channel]
+        for channel, share in _SMALL.items()
+    )
+    return None if is_small else test.channels.get(Channel.FORCE)
 
 
 def _noise_of_commands(tests: Sequence[MeasuredTest]) -> Iterator[str]:
