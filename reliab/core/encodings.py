@@ -1,9 +1,9 @@
-"""Text between programs: UTF-8, UTF-16 or Latin-1; no cell is a formula, and no name steers a terminal."""
+"""Text between programs: its encodings; no cell is a formula, and no name steers a terminal."""
 
 import codecs
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -11,6 +11,7 @@ from reliab.core.files import ordinary
 
 _UNMARKED = re.compile(rb"\x00[\t\n\r -~]|[\t\n\r -~]\x00(?!\x00)")
 _FORMULA = re.compile(r"'*(\s*[=+\-@＝＋－＠]|[\t\r\n])")
+_EAST_ASIAN, _HEAD = ("cp932", "gb18030", "big5", "euc_kr"), 1 << 16  # and bytes in which words are counted
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -61,13 +62,31 @@ def pieces_as_utf8(pieces: Iterable[bytes]) -> Iterator[bytes]:
             yield text.encode()
 
 
-def decode_text(content: bytes) -> str:
-    """Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise."""
+def decode_text(content: bytes, words: Sequence[str] = ()) -> str:
+    r"""Decode a text that any program may have written: by its mark, UTF-8 where it is, Latin-1 otherwise.
+
+    `words` in Chinese, Japanese or Korean, of which one encoding of these shows the most in the first lines.
+
+    >>> decode_text("時間,指令変位".encode("cp932"), ["時間", "时间"]), decode_text(b"\xb5m", ["時間"])
+    ('時間,指令変位', 'µm')
+    """
     plain = as_utf8(content)
     try:
         return plain.decode("utf-8")
     except UnicodeDecodeError:
-        return plain.decode("latin-1")
+        head = plain[:_HEAD].rpartition(b"\n")[0] or plain
+    counts = {encoding: _count_words(head, encoding, words) for encoding in _EAST_ASIAN}
+    best = max(counts, key=lambda encoding: counts[encoding])
+    return plain.decode(best if counts[best] else "latin-1", errors="replace")
+
+
+def _count_words(head: bytes, encoding: str, words: Sequence[str]) -> int:
+    """Count words of a text in an encoding; none where it is not that."""
+    try:
+        text = head.decode(encoding)
+    except UnicodeDecodeError:
+        return 0
+    return sum(text.count(word) for word in words)
 
 
 def as_text(argument: str) -> str:

@@ -169,6 +169,25 @@ def test_channels_written_by_labview(name):
 FIRST = (layouts.mts_793, layouts.dspace, layouts.tdms, layouts.xpc)
 
 
+@pytest.mark.parametrize(
+    ("encoding", "header"),
+    [
+        ("cp932", "時間(秒),指令変位(mm),計測変位(mm),荷重(kN)"),
+        ("gb18030", "时间(s),命令位移(mm),实测位移(mm),荷载(kN)"),
+        ("big5", "時間(s),命令位移(mm),實測位移(mm),荷載(kN)"),
+        ("euc_kr", "시간(s),명령변위(mm),측정변위(mm),하중(kN)"),
+        ("latin-1", "Temps (s),Déplacement commandé (mm),Déplacement mesuré (mm),Force (kN)"),
+    ],
+)
+def test_names_are_read_in_the_encodings_of_their_countries(tmp_path, encoding, header):
+    path, names = tmp_path / "t.csv", header.split(",")
+    pd.DataFrame(dict(zip(names, layouts.COLUMNS, strict=True))).to_csv(path, index=False, encoding=encoding)
+    recording = read_recording(path)
+    assert recording.measured == pytest.approx(MEASURED, abs=1e-9)
+    assert recording.force == pytest.approx(FORCE, rel=1e-9)
+    assert [channel.column for channel in recording.channels if channel.unit == "kN"] == names[3:]
+
+
 @pytest.fixture(scope="module")
 def reference_verdict(tmp_path_factory):
     """Verdict on the test with its force, and on its two displacements alone."""

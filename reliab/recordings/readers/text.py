@@ -35,7 +35,7 @@ from reliab.core.text_tables import (
 from reliab.core.units import find_clock_unit
 from reliab.recordings.naming import describe
 from reliab.recordings.readers.columns import Columns, Series, seconds_between, unclear_in
-from reliab.recordings.words import Measurand, unit_of
+from reliab.recordings.words import SIGNS, Measurand, unit_of
 
 _STATEMENT: Final = re.compile(r"^[#%!/\s]+([\w ]+?)\s*[=:]\s*(\S.*?)\s*$")
 _SCALES: Final = re.compile(
@@ -263,7 +263,8 @@ def recognises(head: bytes) -> bool:
 def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read all tables of a text."""
     LIMITS["text of a test"].require_small(path)
-    return tables_of(lines_of(decode_text(path.read_bytes())), path, delimiter)
+    words = [word for signs in SIGNS.values() for word in signs.split()]
+    return tables_of(lines_of(decode_text(path.read_bytes(), words)), path, delimiter)
 
 
 def tables_of(
