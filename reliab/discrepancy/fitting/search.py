@@ -179,13 +179,11 @@ class Search:
         effects = candidate.space.effects
         if not all(self._acts(candidate, kind) for kind in effects):
             return False
-        for smaller in [self.remove_effect(candidate, kind) for kind in effects]:
-            is_noticed = self._predicts(candidate, smaller, 1.0 - NOTICEABLE) or self._shows_once(
-                candidate, smaller
-            )
-            if not (is_noticed and self._matters(candidate, smaller)):
-                return False
-        return True
+        return all(
+            (self._predicts(candidate, smaller, 1.0 - NOTICEABLE) or self._shows_once(candidate, smaller))
+            and self._matters(candidate, smaller)
+            for smaller in [self.remove_effect(candidate, kind) for kind in effects]
+        )
 
     def _shows_once(self, candidate: Fit, smaller: Fit) -> bool:
         """Whether a further limit clearly shows in a part from which the others do not foretell it."""

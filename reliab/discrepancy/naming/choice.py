@@ -158,12 +158,12 @@ class Ranking:
 
     def _tells(self, *models: Fit) -> bool:
         """Whether left-out parts and held-out tests tell two models apart, by the mean ratio of errors."""
-        first, second = (
-            np.concatenate([errors.relative for errors in (self.search.error(model), held_out)])
-            for model in models
-            for held_out in [errors_of_parts(self.proof, self.proof.residuals(model))]
-        )
-        ratios = np.log(np.maximum(first, 1e-300) / np.maximum(second, 1e-300))
+        logarithms = []
+        for model in models:
+            held_out = errors_of_parts(self.proof, self.proof.residuals(model))
+            errors = np.concatenate([self.search.error(model).relative, held_out.relative])
+            logarithms.append(np.log(np.maximum(errors, 1e-300)))
+        ratios = logarithms[0] - logarithms[1]
         return bool(abs(ratios.mean()) > _STANDARD_ERRORS * ratios.std(ddof=1) / np.sqrt(ratios.size))
 
     def split_by_certainty(
