@@ -200,6 +200,9 @@ _CLOCK = re.compile(
 _NOT_FINITE = re.compile(r"[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1\.#(?:qnan|ind|inf)\w*)", re.IGNORECASE)
 _GLUED_NUMBER = re.compile(r"[-+]?[0-9]*\.[0-9]+(?:[EeDd][-+][0-9]{2}(?=[-+.]|$)|(?=[-+]|$))")
 
+DECIMAL_COMMA_DELIMITER = ";"
+"""Between numbers that may have a decimal comma."""
+
 _MUST_BE_NUMBER = "Not a number"
 _MUST_BE_FINITE = "Not a finite number"
 _REMEDY = "Correct the line, export or download the file again, or leave it out"
@@ -223,6 +226,8 @@ def separate_numbers(source: RecordText, header: RecordHeader) -> bytes:
         data = clocks_in_seconds(data.decode("latin-1")).encode("latin-1")
     if b"D" in data or b"d" in data:
         data = data.translate(_FORTRAN_EXPONENTS)
+    if header.delimiter == DECIMAL_COMMA_DELIMITER:
+        data = data.replace(b",", b".")
     if header.delimiter:
         data = data.replace(header.delimiter.encode(), b" ")
     return data
@@ -248,7 +253,7 @@ def count_rows(data: bytes) -> int:
 
 def find_delimiter(line: RecordLine) -> str:
     """Find what separates the numbers of a line, besides blanks."""
-    return next((mark for mark in (";", ",") if mark in line.text), "")
+    return next((mark for mark in (DECIMAL_COMMA_DELIMITER, ",") if mark in line.text), "")
 
 
 def _parse_plain(data: bytes) -> Array | None:
@@ -290,6 +295,8 @@ def _parse_lines(source: RecordText, header: RecordHeader, report: Report) -> Ar
 def split_line(line: RecordLine, header: RecordHeader) -> list[str]:
     """Split a line into its numbers; blanks between them may be missing where the split is unambiguous."""
     text = clocks_in_seconds(line.text)
+    if header.delimiter == DECIMAL_COMMA_DELIMITER:
+        text = text.replace(",", ".")
     tokens = (text.replace(header.delimiter, " ") if header.delimiter else text).split()
     if all(map(is_number, tokens)):
         return tokens

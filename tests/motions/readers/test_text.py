@@ -44,6 +44,14 @@ def test_step_and_units_can_be_given(units: str, factor: float, write: Write) ->
     assert motion.time_step == 0.02
 
 
+def test_decimal_commas_stand_between_semicolons(write: Write) -> None:
+    acceleration = np.sin(np.arange(500) / 7.0)
+    rows = (f"{0.01 * k:.2f};{100.0 * value:.6f}".replace(".", ",") for k, value in enumerate(acceleration))
+    motion = read_motion(write("a.csv", "\n".join(["t [s];a [cm/s2]", *rows])))
+    assert motion.time_step == pytest.approx(0.01)
+    np.testing.assert_allclose(motion.acceleration, acceleration, atol=1e-8)
+
+
 @pytest.mark.parametrize("delimiter", [" ", "\t", ",", ";", ", ", "   ", " ;"])
 @pytest.mark.parametrize("tail", ["", "delimiter"])
 def test_two_columns_tell_the_step_whatever_separates_them(delimiter: str, tail: str, write: Write) -> None:
