@@ -193,9 +193,10 @@ def _set_force_aside(
     if not faults:
         return recording, question, ()
     if question.measured_specimen:
+        sentence = faults[0].sentence
         raise InputError(
             "A specimen cannot be learned from a force that stood still",
-            value=faults[0].sentence,
+            value=f"that {sentence[:1].lower()}{sentence[1:].rstrip('.')}",
             remedy="Export the force again, or state the specimen as linear",
             where=recording.name,
         )

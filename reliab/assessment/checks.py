@@ -43,7 +43,7 @@ _ENTRIES = "State the natural frequencies as they were measured, in place of ent
 _REMEDIES: Final = {
     "copy": "Export the test again, each channel from its own sensor.",
     "jump": "Export the test again, whole and alone: from its first motion to its end, without lost samples.",
-    "force": "Find out which force the computer received: if it was this one, the test is wrong by more.",
+    "force": "Find out which force the computer received, and export that one.",
 }
 """What to do about faults without which the recording is not known."""
 _CUT = "Cut the recording to the test, from its first motion to its end: the verdict depends on it."

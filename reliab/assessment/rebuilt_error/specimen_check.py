@@ -80,10 +80,8 @@ def examine_specimen(
     velocities = np.gradient(rows, time_step, axis=1)
     histories = (*rows, *velocities, *np.gradient(velocities, time_step, axis=1))
     linear = [smooth(history) for history in histories]
-    linear += [
-        np.ones(linear[0].size),
-        np.linspace(-1.0, 1.0, linear[0].size),
-    ]  # zero and drift of a load cell
+    size = linear[0].size
+    linear += [np.ones(size), np.linspace(-1.0, 1.0, size)]  # zero and drift of the load cell
     kinds = zip(*map(_shapes, rows, velocities), strict=True)
     groups = [[smooth(shape) for shape in chain(*kind)] for kind in kinds]
     checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]
