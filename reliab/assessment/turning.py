@@ -124,7 +124,7 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
         return Turning()
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
-    is_known = recording.force is not None or question.linear_specimen
+    is_known = recording.force is not None or question.ignores_force or question.linear_specimen
     yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)
     hardening = {} if is_known else errors_of_hardenings(error.rebuilt, question.metric)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}

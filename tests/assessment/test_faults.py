@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment.assess import assess
+from reliab.assessment.budget.sizes import ordinary_equipment
 from reliab.assessment.faults import faults_of_force
 from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
 from reliab.assessment.verdict import Word
@@ -164,6 +165,8 @@ def test_a_saturated_or_lost_load_cell_is_no_yielding_specimen(shaken, good, spo
     assert result.error.rms == alone.error.rms
     bad = with_force(late := shaken(delay=0.02), STIFFNESS * late.measured)
     assert assess(replace(bad, force=spoil(bad.force)), ONE_HERTZ, stated=STATED).verdict == "not_reliable"
+    asked = assess(spoilt, ONE_HERTZ, stated=STATED, equipment=ordinary_equipment())
+    assert not any("No force was recorded" in warning for warning in asked.warnings)
     with pytest.raises(InputError, match="cannot be learned from a force that stood still"):
         assess(spoilt, ONE_HERTZ, stated=STATED, measured_specimen=True)
 
