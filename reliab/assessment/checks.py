@@ -291,7 +291,7 @@ def check_faults(test: JudgedError) -> Iterator[Doubt]:
         fault = effect.fault
         if effect.otherwise is None:
             if word is Word.RELIABLE:
-                yield Doubt(finding=fault.sentence, remedy=_REMEDIES.get(fault.kind, _REMEDIES["copy"]))
+                yield Doubt(finding=fault.sentence, remedy=_REMEDIES[fault.kind])
         elif fault.in_loop is None and word_of_probability(effect.otherwise.probability) is not word:
             yield Doubt(
                 finding=f"{fault.sentence} The verdict depends on it, and whether the structure felt it is "

@@ -167,7 +167,7 @@ def _faults_about(
 
 
 def faults_of_force(recording: Recording) -> Iterator[Fault]:
-    """Find forces that stand still while the specimen turns back, as those of a saturated or lost load cell.
+    """Find forces that stand still while the specimen turns back, as of a saturated load cell.
 
     A specimen that yields or slips unloads as soon as the motion turns; one with a gap or a slack cable has
     no force there, which comes and goes without a jump.
@@ -177,30 +177,22 @@ def faults_of_force(recording: Recording) -> Iterator[Fault]:
     rows = zip(*(np.atleast_2d(row) for row in (recording.force, recording.measured)), strict=True)
     for place, (force, displacement) in enumerate(rows):
         peak, moves = float(np.abs(force).max()), float(np.abs(displacement).max())
-        still = [
-            (begin, end)
-            for begin, end in _runs(np.abs(np.diff(force)) <= _STANDSTILL_STEP * peak)
-            if _turns_back(displacement[begin : end + 1]) > _STANDSTILL_SHARE * moves
-            and np.abs(force[max(begin - 1, 0) : end + 2]).max() > _STANDSTILL_SHARE * peak
-        ]
-        if still:
-            lasting = sum(end - begin for begin, end in still) * recording.time_step
-            turns = max(_turns_back(displacement[begin : end + 1]) for begin, end in still)
+        runs = _runs(np.abs(np.diff(force)) <= _STANDSTILL_STEP * peak)
+        ends, (low, high) = displacement[runs], _extremes(displacement, runs)
+        turns = np.maximum(high - ends.max(axis=1), ends.min(axis=1) - low)  # beyond both ends
+        around = np.clip(runs + np.array([-1, 1]), 0, force.size - 1)
+        levels = np.abs(force[np.hstack([around, runs])]).max(axis=1)
+        is_fault = (turns > _STANDSTILL_SHARE * moves) & (levels > _STANDSTILL_SHARE * peak)
+        if is_fault.any():
+            share = percent(turns[is_fault].max() / moves, decimals=0)
             yield Fault(
                 kind="force",
-                finding=f"The recorded force stands still for {significant(lasting)} s in all, first at "
-                f"{still[0][0] * recording.time_step:.4g} s, while the displacement turns back by "
-                f"{percent(turns / moves, decimals=0)} of its peak, as if the load cell were saturated or "
-                "lost: the force was not used.",
+                finding=f"The recorded force {_standing_in_words(runs[is_fault], recording.time_step)}, "
+                f"while the displacement turns back by {share} of its peak, as if the load cell were "
+                "saturated or disconnected: the force was not used.",
                 actuator=recording.actuators[place] if recording.has_several else "",
                 place=place,
             )
-
-
-def _turns_back(displacement: Array) -> float:
-    """How far a displacement goes beyond both of its ends [m]."""
-    ends = displacement[[0, -1]]
-    return float(max(displacement.max() - ends.max(), ends.min() - displacement.min()))
 
 
 def plain_faults(recording: Recording) -> tuple[Fault, ...]:
@@ -297,32 +289,40 @@ def _standstill(recording: Recording) -> Iterator[Fault]:
     peak = float(np.abs(recording.command).max())
     channels = {"command": recording.command, "measured displacement": recording.measured}
     for name, counterpart in zip(channels, reversed(channels.values()), strict=True):
-        still = [
-            (begin, end)
-            for begin, end in _runs(np.abs(np.diff(channels[name])) <= _STANDSTILL_STEP * peak)
-            if np.ptp(counterpart[begin : end + 1]) > _STANDSTILL_SHARE * peak
-        ]
-        if still:
-            lasting = sum(end - begin for begin, end in still) * recording.time_step
-            motion = max(float(np.ptp(counterpart[begin : end + 1])) for begin, end in still) / peak
-            missing = _missing_motion(recording, channels[name], still)
+        runs = _runs(np.abs(np.diff(channels[name])) <= _STANDSTILL_STEP * peak)
+        low, high = _extremes(counterpart, runs)
+        is_fault = high - low > _STANDSTILL_SHARE * peak
+        if is_fault.any():
+            motion = (high - low)[is_fault].max() / peak
+            missing = _missing_motion(recording, channels[name], runs[is_fault])
             yield Fault(
                 kind="standstill",
-                finding=f"The {name} stands still for {significant(lasting)} s, first at "
-                f"{still[0][0] * recording.time_step:.4g} s, while the other channel moves by "
-                f"{percent(motion, decimals=0)} of the command's peak: either the actuator stood still, or "
-                "the recording did.",
+                finding=f"The {name} {_standing_in_words(runs[is_fault], recording.time_step)}, while the "
+                f"other channel moves by {percent(motion, decimals=0)} of the command's peak: either the "
+                "actuator stood still, or the recording did.",
                 in_command=missing if name == "command" else None,
                 in_measured=None if name == "command" else missing,
             )
 
 
-def _missing_motion(recording: Recording, history: Array, still: list[tuple[int, int]]) -> Array:
+def _standing_in_words(runs: NDArray[np.int64], time_step: float) -> str:
+    """Say for how long a channel stands still, and from when on."""
+    lasting, first = np.diff(runs).sum() * time_step, runs[0, 0] * time_step
+    return f"stands still for {significant(lasting)} s, first at {first:.4g} s"
+
+
+def _extremes(history: Array, runs: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Smallest and largest value of a channel in each stretch, shape (k,) each."""
+    padded, edges = np.append(history, 0.0), (runs + np.array([0, 1])).ravel()
+    return np.minimum.reduceat(padded, edges)[::2], np.maximum.reduceat(padded, edges)[::2]
+
+
+def _missing_motion(recording: Recording, history: Array, still: NDArray[np.int64]) -> Array:
     """Give a channel less its motion by the other one where it stands still, and zero elsewhere [m].
 
     Gain and delay are those of the rest of the test.
     """
-    step, is_still = recording.time_step, np.isin(history, history[[begin for begin, _ in still]])
+    step, is_still = recording.time_step, np.isin(history, history[still[:, 0]])
     motion = np.stack([recording.command, np.gradient(recording.command, step)], axis=1)
     gain, slope = np.linalg.lstsq(motion[~is_still], recording.measured[~is_still])[0].tolist()
     expected = (
@@ -343,7 +343,7 @@ def _find_held_samples(recording: Recording) -> Iterator[Fault]:
     chance_count = int(np.sum((steps > 0.0) & (steps < _ROUNDING_FACTOR * smallest)))
     if not _CHANCE_FACTOR * max(chance_count, 1) < is_held.sum() < _LARGEST_HELD_SHARE * is_held.size:
         return
-    if any(end - begin >= _LONGEST_HELD_RUN for begin, end in _runs(is_held)):
+    if (np.diff(_runs(is_held)) >= _LONGEST_HELD_RUN).any():
         return  # a standstill
     places = np.arange(measured_displacement.size)
     interpolated = np.interp(places, places[~is_held], measured_displacement[~is_held])
@@ -356,10 +356,10 @@ def _find_held_samples(recording: Recording) -> Iterator[Fault]:
     )
 
 
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Find the first and the last sample of each stretch of marked steps."""
+def _runs(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Find the first and the last sample of each stretch of marked steps, shape (k, 2)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    return edges.reshape(-1, 2)
 
 
 def _slow(
