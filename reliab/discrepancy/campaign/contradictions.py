@@ -46,7 +46,7 @@ _LARGEST_CHANGE = np.log(30.0)  # of its gain: setting and amplitude of a specim
 
 def require_consistent(campaign: Campaign) -> tuple[str, ...]:
     """Refuse tests whose channels contradict each other, or the other tests, by a sign or a unit."""
-    faults = [sentence for test in campaign.tests for sentence in _faults_of(test, campaign)]
+    faults = [sentence for test in _without_noise(campaign.tests) for sentence in _faults_of(test, campaign)]
     _require_agreement(campaign)
     return *faults, *_noise_of_commands(campaign.tests)
 
@@ -78,7 +78,7 @@ def _faults_of(test: MeasuredTest, campaign: Campaign) -> Iterator[str]:
 
 def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) -> Iterator[str]:
     """Say what may be wrong with the channels beside a measured displacement; refuse what surely is."""
-    command, force = test.channels.get(Channel.COMMAND), _telling_force(test, campaign)
+    command, force = test.channels.get(Channel.COMMAND), test.channels.get(Channel.FORCE)
     specimen = campaign.nominal.specimen
     stiffness = None if specimen is None else specimen.stiffness
     if command is None:
@@ -100,17 +100,15 @@ def _doubts_of_channels(test: MeasuredTest, campaign: Campaign, reading: Array) 
         yield from doubts_of_ground(shaken, campaign.structure, campaign.mass)
 
 
-def _telling_force(test: MeasuredTest, campaign: Campaign) -> Array | None:
-    """Force of a test; None where motion and force are so small that a gap may leave only noise."""
-    sizes = {
-        channel: max(float(np.std(other.channels.get(channel, 0.0))) for other in campaign.tests)
-        for channel in _SMALL
-    }
-    is_small = all(
-        0.0 < float(np.std(test.channels.get(channel, 0.0))) < share * sizes[channel]
-        for channel, share in _SMALL.items()
-    )
-    return None if is_small else test.channels.get(Channel.FORCE)
+def _without_noise(tests: Sequence[MeasuredTest]) -> Iterator[MeasuredTest]:
+    """Leave out forces of tests that moved and resisted so little that a gap may leave only noise."""
+    sizes = np.array([[np.std(test.channels.get(channel, 0.0)) for channel in _SMALL] for test in tests])
+    is_small = (sizes > 0.0) & (sizes < sizes.max(axis=0) * list(_SMALL.values()))
+    for test, may_be_noise in zip(tests, is_small.all(axis=1), strict=True):
+        channels: dict[Channel, Array] = {**test.channels}
+        if may_be_noise:
+            del channels[Channel.FORCE]
+        yield replace(test, channels=channels)
 
 
 def _noise_of_commands(tests: Sequence[MeasuredTest]) -> Iterator[str]:
