@@ -75,9 +75,9 @@ def decode_text(content: bytes, words: Sequence[str] = ()) -> str:
         return plain.decode("utf-8")
     except UnicodeDecodeError:
         head = plain[:_HEAD].rpartition(b"\n")[0] or plain
-    counts = {encoding: _count_words(head, encoding, words) for encoding in _EAST_ASIAN}
-    best = max(counts, key=lambda encoding: counts[encoding])
-    return plain.decode(best if counts[best] else "latin-1", errors="replace")
+    counts = {encoding: _count_words(head, encoding, words) for encoding in _EAST_ASIAN if words}
+    best = max(counts, key=lambda encoding: counts[encoding], default="latin-1")
+    return plain.decode(best if counts.get(best) else "latin-1", errors="replace")
 
 
 def _count_words(head: bytes, encoding: str, words: Sequence[str]) -> int:

@@ -188,6 +188,15 @@ def test_names_are_read_in_the_encodings_of_their_countries(tmp_path, encoding, 
     assert [channel.column for channel in recording.channels if channel.unit == "kN"] == names[3:]
 
 
+def test_names_in_a_labview_file_are_read_in_shift_jis(tmp_path):
+    path = layouts.labview_measurement(tmp_path)
+    text = path.read_text(encoding="utf-8").replace("Disp Setpoint", "指令変位").replace("LVDT", "計測変位")
+    path.write_bytes(text.encode("cp932"))
+    recording = read_recording(path)
+    assert [channel.column for channel in recording.channels[:2]] == ["指令変位", "計測変位"]
+    assert recording.measured == pytest.approx(MEASURED, abs=1e-9)
+
+
 @pytest.fixture(scope="module")
 def reference_verdict(tmp_path_factory):
     """Verdict on the test with its force, and on its two displacements alone."""

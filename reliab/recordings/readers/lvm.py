@@ -13,12 +13,11 @@ from typing import Final
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.encodings import as_utf8, decode_text
+from reliab.core.encodings import as_utf8
 from reliab.core.errors import InputError
-from reliab.core.files import LIMITS
-from reliab.core.text_tables import cells_of, lines_of, number_of
+from reliab.core.text_tables import cells_of, number_of
 from reliab.recordings.readers.columns import Columns, Series, date_of
-from reliab.recordings.readers.text import join_tables, tables_of
+from reliab.recordings.readers.text import join_tables, lines_of_file, tables_of
 
 _END: Final = "***End_of_Header***"
 _SEPARATOR: Final = re.compile(r"Separator(\W)")
@@ -33,8 +32,7 @@ def recognises(head: bytes) -> bool:
 
 def read_lvm(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read the tests of a file, each of one segment or of several that go on one another."""
-    LIMITS["text of a test"].require_small(path)
-    lines = lines_of(decode_text(path.read_bytes()))
+    lines = lines_of_file(path)
     ends = [place for place, line in enumerate(lines) if line.strip().startswith(_END)]
     header_end = lines[: ends[0] if ends else 0]
     separator = delimiter or next(

@@ -49,7 +49,6 @@ _RATE: Final = re.compile(
 )
 _STEP: Final = re.compile(r"dt|delta|time|.*(?:interval|period)$", re.IGNORECASE)
 _STEP_TOLERANCE: Final = 1.01  # ratio of two statements of one step
-_HERTZ: Final = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "s/s": 1.0, "ks/s": 1e3, "sps": 1.0}
 _MOST_LINES: Final = 1000  # of a preamble in which a rate is looked for
 _HEADER_LINES: Final = 8
 _NAME_SEPARATORS: Final = ("\t", ";", ",", "  ", "")
@@ -262,9 +261,14 @@ def recognises(head: bytes) -> bool:
 
 def read_text(path: Path, delimiter: str | None = None) -> list[Columns]:
     """Read all tables of a text."""
+    return tables_of(lines_of_file(path), path, delimiter)
+
+
+def lines_of_file(path: Path) -> list[str]:
+    """Read the lines of a text, with names of channels in whichever encoding."""
     LIMITS["text of a test"].require_small(path)
     words = [word for signs in SIGNS.values() for word in signs.split()]
-    return tables_of(lines_of(decode_text(path.read_bytes(), words)), path, delimiter)
+    return lines_of(decode_text(path.read_bytes(), words))
 
 
 def tables_of(
