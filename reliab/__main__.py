@@ -7,6 +7,7 @@ import tempfile
 import traceback
 
 from reliab.core.errors import INTERRUPTED, UNEXPECTED
+from reliab.core.interruption import notice_interruption
 
 _ALLOCATED = 1_000_000  # objects after which cycles are looked for: imports make many, most of which stay
 
@@ -15,8 +16,8 @@ def main() -> None:
     """Run the command line; Ctrl-C and a fault of the program end it with a sentence, also during imports."""
     gc.set_threshold(_ALLOCATED, *gc.get_threshold()[1:])
     try:
-        from reliab.app.cli import main as command_line
-
+        with notice_interruption():
+            from reliab.app.cli import main as command_line
         command_line()
     except KeyboardInterrupt:
         sys.stderr.write("Interrupted.\n")

@@ -4,20 +4,16 @@ Only the command that is asked is imported, and at its top only Typer; numerics,
 are imported when it needs them, so that it answers at once.
 """
 
-import contextlib
 import logging
 import os
-import signal
 import sys
-import threading
 import warnings
-from _thread import interrupt_main
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -27,13 +23,10 @@ from reliab.app.declaration import UNITS, remove_units
 from reliab.core.described_files import read_toml
 from reliab.core.encodings import printable, substitute_characters
 from reliab.core.errors import INTERRUPTED, IncompleteError, InputError
+from reliab.core.interruption import notice_interruption
 from reliab.core.stated_value import StatedValue
 from reliab.core.threads import ONE_THREAD
 from reliab.version import __version__
-
-if TYPE_CHECKING:
-    from types import FrameType
-
 
 _BAD_INPUT = 2
 _HELP = {"--help", "--help-all"}
@@ -216,7 +209,6 @@ _GOES_ON: Final = {
 }
 """By command the option that must have been given, and what goes on then."""
 
-_REPEAT_DELAY = 0.2  # s after which a Ctrl-C that got lost is repeated
 _NOTHING_HALF = "No file is half written; run the command again."
 
 
@@ -232,48 +224,6 @@ def interruption(arguments: Sequence[str]) -> str:
     option, kept_work = _GOES_ON.get(command, ("", ""))
     is_given = any(argument.partition("=")[0] == option for argument in arguments)
     return f"Interrupted. {kept_work if kept_work and (is_given or not option) else _NOTHING_HALF}"
-
-
-@contextlib.contextmanager
-def notice_interruption() -> Iterator[None]:
-    """Notice Ctrl-C while a command runs, also where a library loses it or makes another error of it.
-
-    Compilers call Python back. What is raised there is lost, and they go on with half of their work or fail
-    for a reason of their own. A Ctrl-C that was lost is repeated.
-    """
-    ctrl_c = threading.Event()
-    is_main_thread = threading.current_thread() is threading.main_thread()
-    if not is_main_thread or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-
-    def press(number: int, frame: "FrameType | None") -> None:
-        ctrl_c.set()
-        signal.default_int_handler(number, frame)
-
-    previous_hook = sys.unraisablehook
-    repetitions: list[threading.Timer] = []
-
-    def repeat_interruption(error: "sys.UnraisableHookArgs") -> None:
-        if issubclass(error.exc_type, KeyboardInterrupt):
-            repetitions.append(threading.Timer(_REPEAT_DELAY, interrupt_main))
-            repetitions[-1].start()
-        else:
-            previous_hook(error)
-
-    signal.signal(signal.SIGINT, press)
-    sys.unraisablehook = repeat_interruption
-    try:
-        yield
-    except Exception:
-        if ctrl_c.is_set():
-            raise SystemExit(INTERRUPTED) from None
-        raise
-    finally:
-        for repetition in repetitions:
-            repetition.cancel()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        sys.unraisablehook = previous_hook
 
 
 def _show_version(is_asked: bool) -> None:  # noqa: FBT001 - Typer's callback
@@ -370,9 +320,9 @@ def run(arguments: Sequence[str]) -> int:
     for library in ("asyncio", "matplotlib"):  # errors are told once, as below; fonts are listed elsewhere
         logging.getLogger(library).addHandler(logging.NullHandler())
     try:
-        arguments, config = remove_config(arguments)
-        command = _find_command(arguments)
         with notice_interruption(), warnings.catch_warnings():
+            arguments, config = remove_config(arguments)
+            command = _find_command(arguments)
             warnings.showwarning = _show_warning
             defaults = read_defaults(_commands, config)
             for sentence in defaults.sentences(arguments):

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from reliab.app.cli import interruption, notice_interruption, run
+from reliab.app.cli import interruption, run
 from reliab.core.errors import INTERRUPTED
+from reliab.core.interruption import notice_interruption
 
 CHAINS = ("--method", "hierarchical", "--joint", "--chains", "chains.h5")
 STRUCTURE = ("--f", "1", "--xi", "0.02")
@@ -136,6 +137,13 @@ def test_a_ctrl_c_lost_in_a_callback_is_repeated():
         callback()  # what is raised there is lost
         for _ in range(500):
             time.sleep(0.01)
+
+
+@pytest.mark.usefixtures("handles_interruption")
+def test_a_ctrl_c_lost_just_before_the_end_is_an_interruption():
+    callback = ctypes.CFUNCTYPE(None)(press)
+    with pytest.raises(KeyboardInterrupt), notice_interruption():
+        callback()
 
 
 @pytest.mark.usefixtures("handles_interruption")
