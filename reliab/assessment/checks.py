@@ -176,7 +176,7 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
             "model of the specimen with `reliab diagnose`.",
         )
     late = specimen.test.apparent_lag
-    channels = specimen.rebuilt.inferred.sizes
+    channels = test.error.rebuilt.inferred.sizes
     possible = math.hypot(late.deviation, channels.get("force_lag", 0.0), channels.get("time_shift", 0.0))
     if late.value > max(_LATE, FAR * possible):
         yield Contradiction(

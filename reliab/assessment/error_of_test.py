@@ -13,16 +13,15 @@ from reliab.assessment.budget.sizes import (
     limit_certainty,
     tolerances_of_structure,
 )
-from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.inferred_error import InferredError, infer_errors
+from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
+from reliab.assessment.inferred_error import InferredError
+from reliab.assessment.measured_specimen.force_channel import NOTHING_STATED, ForceChannel
 from reliab.assessment.parts import ErrorPart, Parts
-from reliab.assessment.rebuild import Readings, RebuiltError
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
-from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
 from reliab.assessment.recorded_force import stiffness_from_mass
-from reliab.assessment.recorded_ground import ShownGround, examine_ground, refusal_of_unit
+from reliab.assessment.recorded_ground import ShownGround, refusal_of_unit
 from reliab.assessment.uncertainty_budget import BudgetItem, Widening
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -36,7 +35,6 @@ from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
     from reliab.assessment.inference.posterior import TestPosterior
-    from reliab.assessment.measured_specimen.force_channel import ForceChannel
     from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
     from reliab.simulation.frames.frame_file import FrameUnderTest
     from reliab.simulation.hybrid_test.model_file import UpdatedModel
@@ -66,7 +64,7 @@ class Question:
     seed: int = 0  # Seed of the draws
     measured_specimen: bool = False  # Whether the specimen is known by its recorded force only
     linear_specimen: bool = False  # Whether somebody stated that the specimen is linear
-    force_channel: "ForceChannel | None" = None  # What is stated of the force of a measured specimen
+    force_channel: ForceChannel | None = None  # What is stated of the force of a measured specimen
     # The frame under test, of which `structure` is the mode that governs the error; None for one mass
     frame: "FrameUnderTest | None" = None
     ignores_force: bool = False  # Whether the recorded force is faulty, or not that of a linear specimen
@@ -76,12 +74,10 @@ class Question:
         """The structure with its specimen."""
         return whole_structure(self.structure) if self.frame is None else self.frame.partition
 
-    def rebuilt_structure(self, recording: Recording) -> Partition:
+    def rebuilt_structure(self, recording: Recording) -> "Partition | UpdatedModel":
         """Structure with which the error of a test is rebuilt; of a measured specimen with its mass [kg]."""
         if self.model is not None:
-            from reliab.assessment.modelled_test import tangent_structure
-
-            return tangent_structure(self.model.test)
+            return self.model
         if self.linear:
             return self.full_structure
         if self.frame is None and self.mass is None:
@@ -144,22 +140,12 @@ class Question:
         """Time by which the force is stated to be fed back late [s]."""
         return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
 
-    def circumstances(
-        self,
-        channels: ChannelSpectra,
-        ground: ShownGround,
-        left_by_faults: Mapping[str, float],
-        structure: Partition,
-    ) -> Circumstances:
+    def known(self, left_by_faults: Mapping[str, float]) -> PriorKnowledge:
         """Put together what is known before the channels are weighed; `left_by_faults` [SI units]."""
-        return Circumstances(
-            partition=structure,
-            channels=replace(channels, ground=ground.evidence(channels.ground)),
+        return PriorKnowledge(
             stated=self.stated,
             equipment=self.equipment,
             tolerances=tolerances_of_structure(self.frame, calibrated=self.model is not None),
-            specimen_force=channels.force is not None and not self.ignores_force,
-            feedback_lag=self.feedback_lag,
             left_by_faults=left_by_faults,
         )
 
@@ -179,10 +165,17 @@ class ErrorOfTest(PlainResult):
     rebuilt: RebuiltError  # The error with its histories and draws
     metric: Metric  # Which error is asked about
     threshold: float  # Error with which it is compared [-]
-    ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
-    # What was learned of the specimen from its own force, where it is known by that only
-    specimen: "MeasuredSpecimen | None" = None
     modelled: bool = False  # Whether a calibrated model says what the specimen does
+
+    @property
+    def ground(self) -> ShownGround:
+        """What the recorded ground acceleration shows."""
+        return self.rebuilt.ground
+
+    @property
+    def specimen(self) -> "MeasuredSpecimen | None":
+        """What was learned of the specimen from its own force, where it is known by that only."""
+        return self.rebuilt.specimen
 
     @property
     def displacements(self) -> tuple[DisplacementError, ...]:
@@ -297,13 +290,12 @@ class ErrorOfTest(PlainResult):
 
     def parts_of(self, degree: DisplacementError) -> Parts:
         """Parts of the error of one displacement."""
-        place = self.displacements.index(degree)
-        parts = self.rebuilt.division.parts(place) if self.specimen is None else self.specimen.parts()
+        parts = self.rebuilt.parts(self.displacements.index(degree))
         return parts.subtract_noise(degree.rms.value)
 
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an only actuator with this displacement [m] accounts for, shape (n,)."""
-        return (self.specimen or self.rebuilt).part_of_tracking(followed_command)
+        return self.rebuilt.part_of_tracking(followed_command)
 
     def probability_of(self, degree: DisplacementError) -> float:
         """Probability that the error of one displacement stays below the threshold."""
@@ -335,9 +327,7 @@ class ErrorOfTest(PlainResult):
         """What widens the interval of the governing error, the widest first, if any is judged."""
         if self.governing is None:
             return ()
-        if self.specimen is not None:
-            return self.specimen.widenings(self.metric)
-        return self.rebuilt.inferred.widenings(self.metric, self.displacements.index(self.governing))
+        return self.rebuilt.widenings(self.metric, self.displacements.index(self.governing))
 
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
@@ -394,31 +384,30 @@ def error_of_test(
     the recording leave unknown.
     """
     recording = _true_channels(recording, question)
-    structure, lag = question.rebuilt_structure(recording), question.feedback_lag
-    require_lag(lag, recording.duration)
-    readings = Readings.from_histories(
+    degrees = question.full_structure.degrees
+    channel = question.force_channel or NOTHING_STATED if question.measured_specimen else None
+    rebuilt = rebuild(
         recording.command,
         recording.measured,
         recording.time_step,
-        structure,
+        question.rebuilt_structure(recording),
         to_interface=question.to_interface,
-        ground=recording.ground if question.model is None else None,
-        force=_channel_of_force(recording, question),
-        sensor_offsets=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
+        feedback_lag=question.feedback_lag,
+        sensor_offset=np.array([0.0 if k in known_offsets else np.nan for k in range(degrees)]),
         resolution=question.resolution,
+        ground=recording.ground,
+        force=_channel_of_force(recording, question),
+        ignores_force=question.ignores_force,
+        force_channel=channel,
+        known=question.known({**_open_filter(recording, question), **(left_by_repairs or {})}),
+        seed=question.seed,
     )
-    ground = examine_ground(readings.channels, structure, duration=recording.duration, feedback_lag=lag)
-    if (refusal := refusal_of_unit(ground, recording)) is not None:
+    if (refusal := refusal_of_unit(rebuilt.ground, recording)) is not None:
         raise refusal
-    left_by_faults = {**_open_filter(recording, question), **(left_by_repairs or {})}
-    circumstances = question.circumstances(readings.channels, ground, left_by_faults, structure)
-    rebuilt, specimen = _rebuild(recording, question, readings, circumstances)
     return ErrorOfTest(
         rebuilt=rebuilt,
         metric=question.metric,
         threshold=question.threshold,
-        ground=ground,
-        specimen=specimen,
         modelled=question.model is not None,
     )
 
@@ -440,27 +429,6 @@ def _channel_of_force(recording: Recording, question: Question) -> Array | None:
     if question.measured_specimen or question.frame is not None:
         return recording.force
     return None if question.mass is None else recording.force / question.mass
-
-
-def _rebuild(
-    recording: Recording,
-    question: Question,
-    readings: Readings,
-    circumstances: Circumstances,
-) -> "tuple[RebuiltError, MeasuredSpecimen | None]":
-    """Rebuild the error with the specimen as stated, modelled or learned."""
-    if question.model is not None:
-        from reliab.assessment.modelled_test import rebuild_modelled
-
-        test, deviations = question.model.test, question.model.deviations
-        return rebuild_modelled(readings, test, deviations, circumstances, seed=question.seed), None
-    if question.measured_specimen:
-        from reliab.assessment.measured_specimen.rebuild import rebuild_learned
-
-        force, channel = recording.force, question.force_channel
-        specimen = rebuild_learned(readings, force, channel, circumstances, seed=question.seed)
-        return specimen.rebuilt, specimen
-    return readings.rebuilt(infer_errors(circumstances, readings.stride, question.seed)), None
 
 
 def _open_filter(recording: Recording, question: Question) -> dict[str, float]:

@@ -125,7 +125,7 @@ class InferredError:
         rms, mte = draw_noise_errors(self.posterior, self.test, _DRAWS_OF_NOISE)
         noisy = (rms if metric is Metric.RMS else mte)[:, place]
         widenings.append(self.widening_alone(_NOISE, noisy, metric, place))
-        return tuple(sorted(widenings, key=lambda part: -part.contribution))
+        return tuple(widenings)
 
     def widening_alone(
         self, name: str, errors: Array, metric: Metric, place: int = 0, deviation: float = 0.0

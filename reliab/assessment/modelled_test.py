@@ -24,7 +24,7 @@ import numpy as np
 from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
-from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
+from reliab.assessment.inference.uncertain_quantity import Circumstances
 from reliab.assessment.inferred_error import infer_errors
 from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
@@ -34,33 +34,21 @@ from reliab.core.stated_value import require_physical
 from reliab.effects.effect import Effect, Role
 from reliab.simulation.hybrid_test.closed_loop import run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.simulation.hybrid_test.open_loop import Motion3, load
 from reliab.structures.partition import Partition
 
-DRAWS = 64
-"""Number of draws of the specimen and of everything else that is uncertain."""
-
+_DRAWS = 64  # of the specimen and of everything else that is uncertain, at most
 _LARGEST_RATIO = 0.99
 _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
 
 
-def rebuild_with_specimen(
-    command: Array,
-    measured_displacement: Array,
-    time_step: float,
-    test: HybridTest,
-    *,
-    deviations: Mapping[str, float] | None = None,
-    sensor_offset: float | None = None,
-    known: PriorKnowledge = EXACTLY_KNOWN,
-    draws: int = DRAWS,
-    seed: int = 0,
+def rebuild_modelled(
+    readings: Readings, model: UpdatedModel, circumstances: Circumstances, *, draws: int, seed: int
 ) -> RebuiltError:
-    """Rebuild the error of a test with a calibrated specimen.
+    """Rebuild the error of a test with a calibrated specimen, whose channels show nothing of what is unknown.
 
-    `command`, `measured_displacement` [m]; `time_step` [s]; `sensor_offset` [m].
-    Returns as `rebuild` returns; its structure is the tangent one, with which parts are found to first order.
-
+    >>> from reliab.assessment.rebuild import rebuild
     >>> from reliab.simulation.hybrid_test.model import Actuator
     >>> from reliab.effects.registry import find_effect
     >>> from reliab.structures.structure import Structure
@@ -70,46 +58,25 @@ def rebuild_with_specimen(
     >>> shaken = np.sin(6.0 * time) * np.exp(-0.2 * time)
     >>> late = HybridTest(structure=structure, actuator=Actuator(delay=0.004), effects=(friction,))
     >>> run = run_closed_loop(late, shaken, 0.002)
-    >>> error = rebuild_with_specimen(run.command.values[0], run.measured, 0.002, late)
+    >>> error = rebuild(run.command.values[0], run.measured, 0.002, UpdatedModel(name="late", test=late))
     >>> ideal = run_closed_loop(replace(late, actuator=Actuator()), shaken, 0.002).command.values[0]
     >>> true = np.sqrt(np.mean((run.measured - ideal) ** 2)) / np.abs(ideal).max()
     >>> bool(abs(error.rms.value / true - 1.0) < 0.02)
     True
     """
-    tangent = tangent_structure(test)
-    readings = Readings.from_histories(
-        command, measured_displacement, time_step, tangent, sensor_offsets=sensor_offset
-    )
-    circumstances = Circumstances(**vars(known), partition=tangent, channels=readings.channels)
-    return rebuild_modelled(readings, test, deviations or {}, circumstances, draws=draws, seed=seed)
-
-
-def rebuild_modelled(
-    readings: Readings,
-    test: HybridTest,
-    deviations: Mapping[str, float],
-    circumstances: Circumstances,
-    *,
-    draws: int = DRAWS,
-    seed: int = 0,
-) -> RebuiltError:
-    """Rebuild the error of a test with a calibrated specimen, whose channels show nothing of what is unknown.
-
-    `deviations` of the model's parameters.
-    """
-    command, tangent = readings.command[0], circumstances.partition
+    test, command, tangent = model.test, readings.command[0], circumstances.partition
     stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), readings.time_step)
     modelled = ModelledTest(
         model=HybridTest(
             structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
         ),
-        deviations=deviations,
+        deviations=model.deviations,
         channels=readings.channels,
         recorded_command=command,
         every=stride,
         seed=seed,
     )
-    inferred = infer_errors(circumstances, stride, seed, draws=draws, test=modelled)
+    inferred = infer_errors(circumstances, stride, seed, draws=min(draws, _DRAWS), test=modelled)
     return readings.error_with(readings.smoothed, tangent, inferred)
 
 

@@ -1,9 +1,9 @@
 """A linear or modelled test while it runs: its errors sample by sample, and its net damping.
 
-From time to time, at spacings that grow with the test, intervals are computed as by `rebuild` or
-`rebuild_with_specimen` after the test; in between, errors are known from sums over the samples so far,
-without intervals. Of a long test samples are held at a lower rate, so that it takes no more
-memory than a shorter one; one whose nonlinear specimen has a model is held whole.
+From time to time, at spacings that grow with the test, intervals are computed as by `rebuild` after the test;
+in between, errors are known from sums over the samples so far, without intervals. Of a long test samples are
+held at a lower rate, so that it takes no more memory than a shorter one; one whose nonlinear specimen has a
+model is held whole.
 """
 
 import sys
@@ -15,11 +15,7 @@ import numpy as np
 
 from reliab.assessment.inference.posterior import DRAWS as DRAWS_AT_END
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
-from reliab.assessment.modelled_test import (
-    DRAWS as DRAWS_OF_MODEL,
-    rebuild_with_specimen,
-    tangent_structure,
-)
+from reliab.assessment.modelled_test import tangent_structure
 from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.initial import Start, examine_starts
 from reliab.assessment.rebuilt_error.noise import estimate_noise, is_lost_in_noise
@@ -224,23 +220,11 @@ class Monitor(RunningTest):
         rows, degrees = self._held.rows, self._partition.degrees
         command, measured_displacement = rows[:degrees], rows[degrees : 2 * degrees]
         step = self._held.joined * self.time_step
-        if self._model is not None:
-            return rebuild_with_specimen(
-                command[0],
-                measured_displacement[0],
-                step,
-                self._model.test,
-                deviations=self._model.deviations,
-                sensor_offset=self._sensor_offset,
-                known=self._known,
-                draws=min(draws, DRAWS_OF_MODEL),
-                seed=self._seed,
-            )
         return rebuild(
             command,
             measured_displacement,
             step,
-            self._partition,
+            self._model or self._partition,
             to_interface=self._carry,
             feedback_lag=self._lag,
             sensor_offset=self._sensor_offset,

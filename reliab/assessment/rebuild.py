@@ -1,5 +1,7 @@
 """The error of one test, rebuilt from its own commands and measured displacements.
 
+Finished tests and running ones, with a specimen that is linear, modelled or learned, go this one way.
+
 A test obeys M x_c'' + C_n x_c' + K_n x_c = −M ι a_g − γ f, the undisturbed structure the same with the
 specimen's true force under its own motion. Their difference e = x_c − x_I obeys the whole structure's own
 equation, driven only by the restoring force that was wrong ::
@@ -20,7 +22,7 @@ Use it so ::
     error.division.parts()                              Parts: first, by_name[...] with share, rms,
                                                         remaining_rms, remaining_mte, history;
                                                         rms_over_time(...)
-    error.inferred.widenings(metric)                    what widens the interval, widest first
+    error.widenings(metric)                             what widens the interval, widest first
     error.readings.starts, .noises                      the sensors' offsets and noise [m]
 
     displacement, *others = error.displacements         one for each actuator
@@ -38,6 +40,7 @@ and the interval includes it.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -47,18 +50,24 @@ from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
 from reliab.assessment.inferred_error import InferredError, infer_errors
-from reliab.assessment.parts import DividedError, ErrorPart, divide, fit_followers, part_of_tracking
+from reliab.assessment.parts import DividedError, ErrorPart, Parts, divide, fit_followers, part_of_tracking
 from reliab.assessment.rebuilt_error.histories import Histories, samples_in_step
 from reliab.assessment.rebuilt_error.initial import Start, check_histories, examine_starts
 from reliab.assessment.rebuilt_error.noise import SensorNoise, are_moving, estimate_noises
 from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, ErrorDraws, Estimate
-from reliab.assessment.recorded_ground import examine_ground
+from reliab.assessment.recorded_ground import ShownGround, examine_ground
+from reliab.assessment.uncertainty_budget import Widening
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
+
+if TYPE_CHECKING:
+    from reliab.assessment.measured_specimen.force_channel import ForceChannel
+    from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
+    from reliab.simulation.hybrid_test.model_file import UpdatedModel
 
 _RESONANT = 10.0  # error of a command over the tracking error, at most, that a test may begin with
 _DRAWS_OF_NOISE = 16  # that show how much of a displacement noise leaves open
@@ -233,6 +242,9 @@ class RebuiltError:
     histories: Histories  # Histories without noise, of which the parts are made
     displacements: tuple[DisplacementError, ...]  # In the order of the interface displacements
     inferred: InferredError  # Draws of everything that is uncertain, and what they say of the error
+    ground: ShownGround = ShownGround()  # noqa: RUF009 - What the recorded ground acceleration shows
+    # What was learned of the specimen from its own force, where it is known by that only
+    specimen: "MeasuredSpecimen | None" = None
 
     @property
     def time_step(self) -> float:
@@ -284,33 +296,60 @@ class RebuiltError:
         """The errors divided by actuator and by cause."""
         return divide(self.histories, self.structure, self.inferred.band)
 
+    def parts(self, place: int = 0) -> Parts:
+        """Parts of the error of one interface displacement."""
+        if self.specimen is not None:
+            return self.specimen.parts(self._peak)
+        return self.division.parts(place)
+
     def part_of_tracking(self, followed_command: Array) -> ErrorPart:
         """Part of the error that an only actuator with this displacement [m] accounts for, shape (n,)."""
+        if self.specimen is not None:
+            return self.specimen.part_of_tracking(followed_command, self._peak)
         return part_of_tracking(self.histories, self.structure, self.inferred.band, followed_command)
+
+    def widenings(self, metric: Metric, place: int = 0) -> tuple[Widening, ...]:
+        """Return what widens the interval of a displacement, the widest first."""
+        parts = self.inferred.widenings(metric, place)
+        if self.specimen is not None:
+            parts = (*parts, self.specimen.widening(self.inferred, metric))
+        return tuple(sorted(parts, key=lambda part: -part.contribution))
+
+    @property
+    def _peak(self) -> float:
+        """Largest exact response of an only displacement [m]."""
+        return float(np.abs(self.displacements[0].reference).max())
 
 
 def rebuild(
     command: Array,
     measured_displacement: Array,
     time_step: float,
-    structure: Structure | Partition,
+    structure: "Structure | Partition | UpdatedModel",
     *,
     to_interface: Array | None = None,
     feedback_lag: float = 0.0,
     sensor_offset: Array | float | None = None,
     resolution: float | None = None,
     ground: Array | None = None,
+    force: Array | None = None,
+    ignores_force: bool = False,
+    force_channel: "ForceChannel | None" = None,
     known: PriorKnowledge = EXACTLY_KNOWN,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> RebuiltError:
-    """Rebuild the errors of a test of a linear structure from its commands and measured displacements.
+    """Rebuild the errors of a test from its commands and measured displacements.
 
     `command`, `measured_displacement` [m], shape (n,), or (p, n) of several actuators; `time_step`,
-    `feedback_lag` [s]; `to_interface`: interface displacements of unit displacements of the actuators [-],
-    shape (p, p), the identity by default; `sensor_offset` [m], of several sensors shape (p,), NaN where it is
-    not known; `resolution` [m]; `ground`: recorded ground acceleration [m/s²], shape (n,), of which
-    one in another unit shows nothing.
+    `feedback_lag` [s]; `structure`: with a linear specimen, or a model with a calibrated one, whose errors
+    are divided into parts to first order; `to_interface`: interface displacements of unit displacements of
+    the actuators [-], shape (p, p), the identity by default; `sensor_offset` [m], of several sensors shape
+    (p,), NaN where it is not known; `resolution` [m]; `ground`: recorded ground acceleration [m/s²], shape
+    (n,), of which one in another unit, or beside a model, shows nothing; `force`: recorded at the actuators
+    [N], of one mass over the mass [N/kg], which is not compared with that of a linear specimen if
+    `ignores_force`; `force_channel`: of a specimen that is learned from its force [N], which was fed back,
+    what that holds beside it; `draws`: at most, as one that is not linear has fewer.
 
     An actuator that moves 1 % too little under a steady sine at resonance:
 
@@ -329,24 +368,46 @@ def rebuild(
     >>> round(error.displacements[0].rms.value, 2), error.displacements[1].rms.value < 1e-3
     (0.07, True)
     """
-    partition = whole_structure(structure)
+    model = None if isinstance(structure, Structure | Partition) else structure
+    partition = _whole_structure(structure)
     readings = Readings.from_histories(
         command,
         measured_displacement,
         time_step,
         partition,
         to_interface=to_interface,
-        ground=ground,
+        ground=ground if model is None else None,
+        force=force,
         sensor_offsets=sensor_offset,
         resolution=resolution,
     )
-    duration = readings.command.shape[1] * time_step
+    duration = (readings.command.shape[1] - 1) * time_step
     require_lag(feedback_lag, duration)
     shown = examine_ground(readings.channels, partition, duration=duration, feedback_lag=feedback_lag)
     circumstances = Circumstances(
         **vars(known),
         partition=partition,
         channels=replace(readings.channels, ground=shown.evidence(readings.channels.ground)),
+        specimen_force=force is not None and not ignores_force,
         feedback_lag=feedback_lag,
     )
-    return readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))
+    if model is not None:
+        from reliab.assessment.modelled_test import rebuild_modelled
+
+        rebuilt = rebuild_modelled(readings, model, circumstances, draws=draws, seed=seed)
+    elif force_channel is not None:
+        from reliab.assessment.measured_specimen.rebuild import rebuild_learned
+
+        rebuilt = rebuild_learned(readings, force, force_channel, circumstances, draws=draws, seed=seed)
+    else:
+        rebuilt = readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))
+    return replace(rebuilt, ground=shown)
+
+
+def _whole_structure(structure: "Structure | Partition | UpdatedModel") -> Partition:
+    """Structure with its linear specimen, of a model with the tangent one."""
+    if isinstance(structure, Structure | Partition):
+        return whole_structure(structure)
+    from reliab.assessment.modelled_test import tangent_structure
+
+    return tangent_structure(structure.test)

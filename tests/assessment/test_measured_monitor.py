@@ -13,7 +13,7 @@ import pytest
 from reliab import assess, follow_test
 from reliab.app.cli import run
 from reliab.assessment.measured_specimen import monitor as following
-from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.measured_specimen.monitor import MeasuredMonitor
 from reliab.assessment.rebuilt_error.running_test import TIME_WITHOUT_DOUBLING
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
@@ -38,20 +38,21 @@ def learner(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
         displacements=[SimpleNamespace(error=0.2 * peak, reference=peak)],
         estimate=lambda _metric: size,
     )
-    specimen = SimpleNamespace(held_out=0.2, learned=True, rebuilt=rebuilt)
+    specimen = SimpleNamespace(held_out=0.2, learned=True)
+    rebuilt.specimen = specimen
 
     def learn(command: np.ndarray, *_: Any, **__: Any) -> SimpleNamespace:
         if command.size < 300:
             raise InputError("Too short")
         rebuilt.displacements[0].reference = peak[: command.size]
-        return specimen
+        return rebuilt
 
-    monkeypatch.setattr(following, "rebuild_with_force", learn)
-    return specimen
+    monkeypatch.setattr(following, "rebuild", learn)
+    return rebuilt
 
 
 def _monitor(seconds: float) -> MeasuredMonitor:
-    monitor = MeasuredMonitor(_STRUCTURE, _STEP, StatedForce())
+    monitor = MeasuredMonitor(_STRUCTURE, _STEP)
     path = np.sin(6.0 * _TIMES[: round(seconds / _STEP)])
     monitor.feed(path, path, path)
     return monitor
@@ -61,11 +62,11 @@ def test_no_error_is_stated_before_the_force_is_predicted_to_a_tenth(learner: Si
     monitor = _monitor(8.0)
     assert monitor.ask() is None
     assert (monitor.now.rms, monitor.now.error, monitor.specimen.held_out) == (None, None, 0.2)
-    assert monitor.ask(at_end=True) is learner.rebuilt  # as `assess` takes it
-    learner.held_out = 0.09
-    assert monitor.ask() is learner.rebuilt
+    assert monitor.ask(at_end=True) is learner  # as `assess` takes it
+    learner.specimen.held_out = 0.09
+    assert monitor.ask() is learner
     assert monitor.now.rms == 0.2
-    learner.held_out, learner.learned = 0.4, False
+    learner.specimen.held_out, learner.specimen.learned = 0.4, False
     assert monitor.ask(at_end=True) is None
 
 
@@ -79,7 +80,7 @@ def test_too_short_a_test_is_still_learned() -> None:
 
 
 def test_a_measured_specimen_is_learned_at_each_fourth(learner: SimpleNamespace) -> None:
-    learner.held_out = 0.01
+    learner.specimen.held_out = 0.01
     monitor, options = _monitor(4.0), []
     for _ in range(1, round(12.0 / 0.25)):
         if monitor.due:
@@ -93,7 +94,7 @@ def test_a_measured_specimen_is_learned_at_each_fourth(learner: SimpleNamespace)
 
 def test_the_alarm_waits_until_the_peak_is_calm(learner: SimpleNamespace) -> None:
     """The peak last doubled at one second, and half of the low end of 15 % is above 5 % but not 8 %."""
-    learner.held_out = 0.01
+    learner.specimen.held_out = 0.01
     for seconds, calm in (
         (1.0 + TIME_WITHOUT_DOUBLING - 0.1, False),
         (1.0 + TIME_WITHOUT_DOUBLING + 0.1, True),
@@ -105,7 +106,7 @@ def test_the_alarm_waits_until_the_peak_is_calm(learner: SimpleNamespace) -> Non
 
 def test_no_reading_is_too_large() -> None:
     with pytest.raises(InputError, match="finite number below"):
-        MeasuredMonitor(_STRUCTURE, _STEP, StatedForce()).feed(np.array([1e30]), np.zeros(1), np.zeros(1))
+        MeasuredMonitor(_STRUCTURE, _STEP).feed(np.array([1e30]), np.zeros(1), np.zeros(1))
 
 
 _STATED = {"f": 1, "xi": 0.02}

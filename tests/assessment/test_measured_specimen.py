@@ -16,7 +16,7 @@ from reliab.app.cli import run
 from reliab.assessment.checks import check_specimen
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.elements import Elements, Kind, elements_of_family, law_with_traits
-from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
+from reliab.assessment.measured_specimen.force_channel import NOTHING_STATED, ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.hysteresis import (
     PEAK_TRAITS,
     REVERSAL_TRAITS,
@@ -30,12 +30,12 @@ from reliab.assessment.measured_specimen.learning import (
     _learn_family,
     _refine_sizes,
 )
-from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
-from reliab.assessment.rebuild import rebuild
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.noise import SensorNoise
 from reliab.assessment.rebuilt_error.recursion import Recursion, respond
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
+from reliab.core.vocabulary import Metric
 from reliab.recordings.recording import Recording
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
@@ -365,10 +365,9 @@ def _structure(test: Any) -> Partition:
     return Partition.from_structure(stated_values)
 
 
-def _learn_from(test: Any, **stated_values: Any) -> MeasuredSpecimen:
-    return rebuild_with_force(
-        test.command, test.measured, test.force, _STEP, _structure(test), **stated_values
-    )
+def _learn_from(test: Any, **stated_values: Any) -> RebuiltError:
+    options = {"force_channel": NOTHING_STATED} | stated_values
+    return rebuild(test.command, test.measured, _STEP, _structure(test), force=test.force, **options)
 
 
 @pytest.mark.slow
@@ -377,9 +376,9 @@ def _learn_from(test: Any, **stated_values: Any) -> MeasuredSpecimen:
 def test_errors_of_families_of_specimens_are_found(family: str) -> None:
     """No element is built like these; where the force is predicted well the error is within a tenth."""
     test = _simulate_family(family, 3)
-    specimen = _learn_from(test)
-    size = specimen.rebuilt.rms
-    width = 0.1 if specimen.held_out < 0.1 else 0.4
+    error = _learn_from(test)
+    size = error.rms
+    width = 0.1 if error.specimen.held_out < 0.1 else 0.4
     assert size.value == pytest.approx(test.error, rel=width)
     assert 0.8 * size.low < test.error < 1.25 * size.high
 
@@ -388,33 +387,33 @@ def test_errors_of_families_of_specimens_are_found(family: str) -> None:
 def test_a_linear_specimen_loses_nothing() -> None:
     test = _simulate_family("linear", 5)
     stated_values = rebuild(test.command, test.measured, _STEP, _structure(test))
-    specimen = _learn_from(test)
-    size, rms = specimen.rebuilt.rms, stated_values.rms
-    assert specimen.families[0].name == "linear"
-    assert specimen.families[0].weight == 1.0
+    error = _learn_from(test)
+    size, rms = error.rms, stated_values.rms
+    assert error.specimen.families[0].name == "linear"
+    assert error.specimen.families[0].weight == 1.0
     assert size.value == pytest.approx(rms.value, rel=0.01)
     assert 0.75 * (rms.high - rms.low) < size.high - size.low < 1.3 * (rms.high - rms.low)
     for name, part in stated_values.division.parts().by_name.items():
-        assert specimen.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
+        assert error.parts().by_name[name].rms == pytest.approx(part.rms, rel=0.02, abs=1e-4)
 
 
 @pytest.mark.slow
 def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     """Parts add up to the error, an actuator as it moved accounts for all of it, a mass widens."""
     test = _simulate_family("bilinear", 8)
-    specimen = _learn_from(test, known=PriorKnowledge(tolerances={"mass": 0.03}), feedback_lag=0.001)
-    parts = specimen.parts().by_name
-    full_test = specimen.rebuilt.displacements[0].smooth_error
+    error = _learn_from(test, known=PriorKnowledge(tolerances={"mass": 0.03}), feedback_lag=0.001)
+    parts = error.parts().by_name
+    full_test = error.displacements[0].smooth_error
     peak = np.abs(full_test).max()
     assert sum(part.history for part in parts.values()) == pytest.approx(full_test, abs=1e-6 * peak)
     assert set(parts) == {"amplitude", "delay", "neither", "fed_back_force"}
-    displacement = specimen.part_of_tracking(full_test + specimen.rebuilt.displacements[0].reference)
+    displacement = error.part_of_tracking(full_test + error.displacements[0].reference)
     late = parts["fed_back_force"].history
     assert displacement.history + late == pytest.approx(full_test, abs=0.01 * peak)
-    contributions = {single.name: single.contribution for single in specimen.widenings()}
+    contributions = {single.name: single.contribution for single in error.widenings(Metric.RMS)}
     assert {"specimen", "sensor_noise", "mass"} <= set(contributions)
-    reference = _learn_from(test, feedback_lag=0.001).rebuilt.rms
-    size = specimen.rebuilt.rms
+    reference = _learn_from(test, feedback_lag=0.001).rms
+    size = error.rms
     assert contributions["mass"] > 0.0
     assert size.high - size.low > reference.high - reference.low
 
@@ -434,8 +433,7 @@ def test_parts_between_load_cell_and_specimen_are_removed_and_widen(
     test = _simulate_family("bilinear", 8, **force_values)
     exact = [text.partition("±")[0] for text in stated_values]
     ignored, reference, uncertain = (
-        _learn_from(test, force_channel=ForceChannel.parse(texts)).rebuilt.rms
-        for texts in ([], exact, stated_values)
+        _learn_from(test, force_channel=ForceChannel.parse(texts)).rms for texts in ([], exact, stated_values)
     )
     assert abs(reference.value / test.error - 1.0) < min(0.1, 0.6 * abs(ignored.value / test.error - 1.0))
     assert uncertain.value == pytest.approx(reference.value, rel=0.02)
@@ -447,19 +445,20 @@ def test_parts_between_load_cell_and_specimen_are_removed_and_widen(
 @pytest.mark.parametrize("lag", [0.0, 0.002])
 def test_a_late_force_is_noticed_and_leaves_the_test_undecided(lag: float) -> None:
     test = _simulate_family("bilinear", 8, force_lag=lag)
-    specimen = _learn_from(test)
-    assert specimen.test.apparent_lag.value == pytest.approx(lag, abs=0.2e-3)
+    error = _learn_from(test)
+    assert error.specimen.test.apparent_lag.value == pytest.approx(lag, abs=0.2e-3)
     stated = _learn_from(test, force_channel=ForceChannel.parse(["lag_ms=2"]))
-    assert stated.test.apparent_lag.value == pytest.approx(lag - 0.002, abs=0.2e-3)
-    message = [
-        contradiction.finding
-        for contradiction in check_specimen(SimpleNamespace(error=SimpleNamespace(specimen=specimen)))
-    ]
+    assert stated.specimen.test.apparent_lag.value == pytest.approx(lag - 0.002, abs=0.2e-3)
+    message = [contradiction.finding for contradiction in check_specimen(_judged(error))]
     assert message == [] if lag == 0.0 else "ms later than the displacement" in message[0]
 
 
+def _judged(error: RebuiltError) -> Any:
+    return SimpleNamespace(error=SimpleNamespace(specimen=error.specimen, rebuilt=error))
+
+
 @pytest.fixture(scope="module")
-def skewed_specimen() -> tuple[Any, Any, MeasuredSpecimen]:
+def skewed_error() -> tuple[Any, Any, RebuiltError]:
     """A test, the same with a displacement recorded early, and what is learned if channels may be skewed."""
     test = _simulate_family("bilinear", 8)
     times = _STEP * np.arange(test.measured.size)
@@ -468,13 +467,14 @@ def skewed_specimen() -> tuple[Any, Any, MeasuredSpecimen]:
     return test, early, _learn_from(early, known=skew)
 
 
-def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew(skewed_specimen) -> None:
+def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew(skewed_error) -> None:
     """A displacement recorded early makes the force late, and the actuator too good; no specimen leads."""
-    test, _, specimen = skewed_specimen
-    assert specimen.test.apparent_lag.value == pytest.approx(2e-3, abs=0.2e-3)
-    posterior = specimen.rebuilt.inferred.posterior
+    test, _, error = skewed_error
+    late = error.specimen.test.apparent_lag
+    assert late.value == pytest.approx(2e-3, abs=0.2e-3)
+    posterior = error.inferred.posterior
     # Two normal skews of 2 ms, apart by the lag that is seen and by what an exponential damping hides of it
-    late, apart = specimen.test.apparent_lag, np.linspace(-0.01, 0.03, 801)
+    apart = np.linspace(-0.01, 0.03, 801)
     lead = np.linspace(0.0, 0.03, 601)[:, np.newaxis]
     seen = (late.value - apart + lead) / late.deviation
     loss = lead * 2.0 * np.pi * test.loop.frequency / 0.04
@@ -483,16 +483,15 @@ def test_a_force_that_is_late_within_the_skew_of_channels_shows_the_skew(skewed_
     assert posterior.means["time_shift"] == pytest.approx(-mean, rel=0.1)
     assert posterior.means["force_lag"] == pytest.approx(mean, rel=0.1)
     assert posterior.deviations["time_shift"] < 1.7e-3
-    verdict = SimpleNamespace(error=SimpleNamespace(specimen=specimen))
-    assert not [doubt for doubt in check_specimen(verdict) if "later" in doubt.finding]
-    assert specimen.rebuilt.rms.low < test.error < specimen.rebuilt.rms.high
+    assert not [doubt for doubt in check_specimen(_judged(error)) if "later" in doubt.finding]
+    assert error.rms.low < test.error < error.rms.high
 
 
 @pytest.mark.slow
-def test_a_skew_that_the_force_shows_is_taken_off_the_error(skewed_specimen) -> None:
-    test, early, specimen = skewed_specimen
-    ignored = _learn_from(early).rebuilt.rms
-    assert abs(specimen.rebuilt.rms.value - test.error) < 0.7 * abs(ignored.value - test.error)
+def test_a_skew_that_the_force_shows_is_taken_off_the_error(skewed_error) -> None:
+    test, early, error = skewed_error
+    ignored = _learn_from(early).rms
+    assert abs(error.rms.value - test.error) < 0.7 * abs(ignored.value - test.error)
 
 
 _LATE_FORCE = 1.5e-3  # s

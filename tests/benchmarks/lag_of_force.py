@@ -14,7 +14,8 @@ import numpy as np
 import paths  # noqa: F401 - makes the studies importable
 
 from reliab import load_motions
-from reliab.assessment.measured_specimen.rebuild import rebuild_with_force
+from reliab.assessment.measured_specimen.force_channel import NOTHING_STATED
+from reliab.assessment.rebuild import rebuild
 from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 from reliab.study.description import PACKAGE
@@ -48,9 +49,9 @@ def find_lag(test, lag):
     )
     times = STEP * np.arange(test.measured.size)
     measured = np.interp(times + lag, times, test.measured)
-    return rebuild_with_force(
-        test.command, measured, test.force, STEP, Partition.from_structure(structure)
-    ).test.apparent_lag
+    partition = Partition.from_structure(structure)
+    error = rebuild(test.command, measured, STEP, partition, force=test.force, force_channel=NOTHING_STATED)
+    return error.specimen.test.apparent_lag
 
 
 def main():

@@ -15,7 +15,7 @@ from reliab.assessment.budget.sizes import Equipment, limit_certainty, tolerance
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
-from reliab.assessment.measured_specimen.monitor import MeasuredMonitor, StatedForce
+from reliab.assessment.measured_specimen.monitor import MeasuredMonitor
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuild import RebuiltError
@@ -191,11 +191,9 @@ class FollowedTest:
             if mass is None
             else Partition.from_structure(structure, mass.value),
             step,
-            StatedForce(
-                feedback_lag=lag,
-                channel=self.force_channel,
-                known=known,
-            ),
+            feedback_lag=lag,
+            channel=self.force_channel,
+            known=known,
         )
 
     def _prior_knowledge(self) -> PriorKnowledge:
@@ -314,7 +312,7 @@ class FollowedTest:
                 "until_s": now.time,
             }
             verdict |= {metric: error[metric]["value"] for metric in Metric}
-            verdict["error_m"] = specimen.rebuilt.displacements[0].error[-1].item()
+            verdict["error_m"] = assessment.error.displacements[0].error[-1].item()
         return replace(self._message(monitor, "end", error=error, **verdict), assessment=assessment)
 
     def _describe_verdict(self, word: Word, reasons: list[str], steps: list[str]) -> dict[str, Any]:

@@ -76,6 +76,10 @@ class ForceChannel:
         }
 
 
+NOTHING_STATED = ForceChannel()
+"""A recorded force that is that of the specimen."""
+
+
 def columns_of_channel(force: Array, displacement: Array, step: float) -> Array:
     """Say what a unit of lag, mass and friction adds to a force [N] along a displacement [m], (3, n)."""
     velocity = np.gradient(displacement, step)

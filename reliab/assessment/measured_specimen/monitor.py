@@ -1,19 +1,18 @@
 """A test while it runs whose specimen is known by its force only: learned anew whenever enough was added.
 
-Whenever the test has grown by a fourth, it is learned and judged as `rebuild_with_force` does it after the
-test. While held-out parts of the force are predicted badly the specimen counts as not learned, and no error
-is stated. The test is held whole.
+Whenever the test has grown by a fourth, it is learned and judged as `rebuild` does it after the test. While
+held-out parts of the force are predicted badly the specimen counts as not learned, and no error is stated.
+The test is held whole.
 """
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, PriorKnowledge
-from reliab.assessment.measured_specimen.force_channel import ForceChannel
-from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen, rebuild_with_force
-from reliab.assessment.rebuild import RebuiltError
+from reliab.assessment.measured_specimen.force_channel import NOTHING_STATED, ForceChannel
+from reliab.assessment.measured_specimen.rebuild import MeasuredSpecimen
+from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.noise import is_lost_in_noise
 from reliab.assessment.rebuilt_error.running_test import Now, RunningSums, RunningTest, require_readings
 from reliab.core.arrays import Array
@@ -23,31 +22,30 @@ from reliab.structures.partition import Partition
 _ENOUGH = 0.1  # of the force on held-out parts, above which a running test has not shown enough
 
 
-@dataclass(frozen=True, kw_only=True)
-class StatedForce:
-    """Stated properties of a test whose specimen is learned from its force, apart from its structure."""
-
-    feedback_lag: float = 0.0  # Time by which the force is fed back late [s]
-    channel: ForceChannel = ForceChannel()  # noqa: RUF009 - What the force holds beside that of the specimen
-    known: PriorKnowledge = EXACTLY_KNOWN  # Of all values, how far they may be off
-    seed: int = 0  # Seed of the draws
-
-
 class MeasuredMonitor(RunningTest):
-    """Follow the error of a test whose specimen is learned from its force; `time_step` [s].
+    """Follow the error of a test whose specimen is learned from its force; `time_step`, `feedback_lag` [s].
 
-    `structure` [kg, N·s/m, N/m]: the computer's part and the specimen's initial stiffness.
+    `structure` [kg, N·s/m, N/m]: the computer's part and the specimen's initial stiffness; `channel`: what
+    the force holds beside that of the specimen; `known`: how far what is stated may be off.
     """
 
     growth: ClassVar[float] = 0.25
 
-    def __init__(self, structure: Partition, time_step: float, stated: StatedForce) -> None:
-        super().__init__(structure, time_step, stated.known.skew_deviation(time_step))
-        self._stated = stated
+    def __init__(
+        self,
+        structure: Partition,
+        time_step: float,
+        *,
+        feedback_lag: float = 0.0,
+        channel: ForceChannel = NOTHING_STATED,
+        known: PriorKnowledge = EXACTLY_KNOWN,
+    ) -> None:
+        super().__init__(structure, time_step, known.skew_deviation(time_step))
+        self._lag, self._channel, self._prior = feedback_lag, channel, known
         self._parts: list[Array] = []
         self._samples = 0
-        self._specimen: MeasuredSpecimen | None = None
-        self._known: RebuiltError | None = None
+        self._learned: RebuiltError | None = None  # last, if anything was
+        self._known: RebuiltError | None = None  # the same, if it counts as learned
 
     @property
     def samples(self) -> int:
@@ -57,7 +55,7 @@ class MeasuredMonitor(RunningTest):
     @property
     def specimen(self) -> MeasuredSpecimen | None:
         """What was learned last; None before anything could be."""
-        return self._specimen
+        return None if self._learned is None else self._learned.specimen
 
     @property
     def learning_time(self) -> float | None:
@@ -101,10 +99,10 @@ class MeasuredMonitor(RunningTest):
 
         At the end it counts as learned where `assess` takes it so, which is less than while it runs.
         """
-        self._specimen, self._known = self._learn(at_end=at_end), None
-        if self._specimen is not None:
-            is_known = self._specimen.learned if at_end else self._specimen.held_out <= _ENOUGH
-            self._known = self._specimen.rebuilt if is_known else None
+        self._learned, self._known = self._learn(at_end=at_end), None
+        if self.specimen is not None:
+            is_known = self.specimen.learned if at_end else self.specimen.held_out <= _ENOUGH
+            self._known = self._learned if is_known else None
         error = self._known
         if error is None:
             self._conclude(None, {})
@@ -115,21 +113,20 @@ class MeasuredMonitor(RunningTest):
         self._conclude(error, {"": error}, lost_in_noise=is_lost)
         return error
 
-    def _learn(self, *, at_end: bool) -> MeasuredSpecimen | None:
+    def _learn(self, *, at_end: bool) -> RebuiltError | None:
         """Learn the specimen from all samples so far; None while they are too few to learn anything."""
         self._parts = [np.concatenate(self._parts, axis=1)]
         command, measured_displacement, force = self._parts[0]
         try:
-            return rebuild_with_force(
+            return rebuild(
                 command,
                 measured_displacement,
-                force,
                 self.time_step,
                 self.structure,
-                feedback_lag=self._stated.feedback_lag,
-                force_channel=self._stated.channel,
-                known=self._stated.known,
-                seed=self._stated.seed,
+                feedback_lag=self._lag,
+                force=force,
+                force_channel=self._channel,
+                known=self._prior,
             )
         except InputError:
             if at_end:

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
-from reliab.assessment.inferred_error import infer_errors
+from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.measured_specimen.force_channel import ForceChannel, columns_of_channel
 from reliab.assessment.measured_specimen.learned_test import LearnedTest
 from reliab.assessment.measured_specimen.learning import MeasuredPath, learn_specimen
@@ -46,12 +46,7 @@ from reliab.core.threads import one_thread
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 
-DRAWS = 64
-"""Number of draws of the specimen and of everything else that is uncertain."""
-
-DRAWS_OF_LINEAR = 256
-"""The same where the specimen is linear, as many as of a stated one."""
-
+_DRAWS = 64  # of a nonlinear specimen and of everything else that is uncertain, at most
 _LEAST_RATE = 256.0  # samples in a second, and in a period, that are simulated
 _SAMPLES_PER_PERIOD = 100.0
 _FORESEEN = 0.01  # of a displacement, that the specimen's force at the end of a step may move at most
@@ -73,10 +68,9 @@ class FamilyOfSpecimen:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredSpecimen:
-    """A specimen that was learned from a test's own force, and the test's error with it."""
+    """A specimen that was learned from a test's own force."""
 
     test: LearnedTest  # The test, and what it shows of the specimen
-    rebuilt: RebuiltError  # The error, its interval and the exact response
     families: tuple[FamilyOfSpecimen, ...]  # Families of elements that learned the specimen, the best first
     force: Array  # Force that the specimen would have had along the exact response [N], shape (n,)
     fed_back: Array  # Force that it had along the measured displacement [N], shape (n,)
@@ -93,11 +87,11 @@ class MeasuredSpecimen:
         """Whether held-out parts of the force are predicted so well that the specimen counts as learned."""
         return self.held_out <= _LARGEST_MISFIT
 
-    def parts(self) -> Parts:
+    def parts(self, peak: float) -> Parts:
         """Divide the error into amplitude, delay, what is neither, and the fed-back force.
 
-        Amplitude and delay are the errors that an actuator with these alone would have made along the same
-        command, and their effect on each other counts as neither.
+        `peak` of the exact response [m]. Amplitude and delay are the errors that an actuator with these alone
+        would have made along the same command, and their effect on each other counts as neither.
         """
         test, error = self.test, self._error
         *_, (differences,) = fit_followers(test.command, test.measured, test.time_step)
@@ -109,24 +103,19 @@ class MeasuredSpecimen:
             tracking_error = self._error_of_displacement(test.measured)
             pieces[FED_BACK_FORCE] = error - tracking_error
         pieces[NEITHER] = tracking_error - pieces[AMPLITUDE] - pieces[DELAY]
-        return parts_of({name: test.interpolate(piece) for name, piece in pieces.items()}, self._peak)
+        return parts_of({name: test.interpolate(piece) for name, piece in pieces.items()}, peak)
 
-    def part_of_tracking(self, followed_command: Array) -> ErrorPart:
+    def part_of_tracking(self, followed_command: Array, peak: float) -> ErrorPart:
         """Part of the error that an actuator with this displacement [m] accounts for, shape (n,)."""
         test = self.test
         piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: test.every]))
-        return part_of(test.interpolate(piece), test.interpolate(self._error), self._peak)
+        return part_of(test.interpolate(piece), test.interpolate(self._error), peak)
 
-    def widenings(self, metric: Metric = Metric.RMS) -> tuple[Widening, ...]:
-        """Which unknowns widen the interval most, the widest first."""
-        parts = self.rebuilt.inferred.widenings(metric)
-        return tuple(sorted((*parts, self._widening(metric)), key=lambda part: -part.contribution))
-
-    def _widening(self, metric: Metric) -> Widening:
+    def widening(self, inferred: InferredError, metric: Metric) -> Widening:
         """Find what the interval owes to what the force leaves open of the specimen."""
         as_stated = Experiment.as_stated(actuators=1)
-        draws = [self.test.solve(as_stated, draw)[:, 0] for draw in range(DRAWS)]
-        return self.rebuilt.inferred.widening_alone(
+        draws = [self.test.solve(as_stated, draw)[:, 0] for draw in range(_DRAWS)]
+        return inferred.widening_alone(
             "specimen",
             np.array([relative_error(error, exact, metric) for error, exact in draws]),
             metric,
@@ -143,57 +132,18 @@ class MeasuredSpecimen:
         measured = self.test.measured
         return measured - self.test.response(self.test.learned[0], measured)
 
-    @property
-    def _peak(self) -> float:
-        return float(np.abs(self.rebuilt.displacements[0].reference).max())
-
-
-def rebuild_with_force(
-    command: Array,
-    measured_displacement: Array,
-    force: Array,
-    time_step: float,
-    structure: Partition,
-    *,
-    feedback_lag: float = 0.0,
-    force_channel: ForceChannel | None = None,
-    sensor_offset: float | None = None,
-    resolution: float | None = None,
-    known: PriorKnowledge = EXACTLY_KNOWN,
-    seed: int = 0,
-) -> MeasuredSpecimen:
-    """Compute the error of a test whose specimen is known by its recorded force only.
-
-    `command`, `measured_displacement` [m] and `force` [N], shape (n,); `time_step`, `feedback_lag` [s];
-    `sensor_offset`, `resolution` [m]. `structure` [kg,
-    N·s/m, N/m] without its specimen is the computer's part. `force_channel` says what the recorded force
-    holds beside that of the specimen, all of which was fed back.
-    """
-    readings = Readings.from_histories(
-        command,
-        measured_displacement,
-        time_step,
-        structure,
-        sensor_offsets=sensor_offset,
-        resolution=resolution,
-    )
-    circumstances = Circumstances(
-        **vars(known), partition=structure, channels=readings.channels, feedback_lag=feedback_lag
-    )
-    return rebuild_learned(readings, force, force_channel, circumstances, seed=seed)
-
 
 def rebuild_learned(
     readings: Readings,
     force: Array | None,
-    channel: ForceChannel | None,
+    channel: ForceChannel,
     circumstances: Circumstances,
     *,
-    seed: int = 0,
-) -> MeasuredSpecimen:
+    draws: int,
+    seed: int,
+) -> RebuiltError:
     """Learn the specimen from its force [N], shape (n,), and rebuild the error of its test."""
     structure, step = circumstances.partition, readings.time_step
-    channel = channel or ForceChannel()
     with one_thread():
         command, noise = readings.command[0], readings.noises[0]
         force = _check_force(force, command)
@@ -220,7 +170,7 @@ def rebuild_learned(
         )
         bounded_specimens = tuple(specimen for specimen in test.learned if test.is_bounded(specimen))
         test = replace(test, learned=bounded_specimens or test.learned[:1])
-        return _conclude(test, readings, histories, circumstances)
+        return _conclude(test, readings, circumstances, draws)
 
 
 def _samples_in_step(structure: Partition, time_step: float) -> int:
@@ -263,8 +213,8 @@ def _path(
 
 
 def _conclude(
-    test: LearnedTest, readings: Readings, histories: Histories, circumstances: Circumstances
-) -> MeasuredSpecimen:
+    test: LearnedTest, readings: Readings, circumstances: Circumstances, draws: int
+) -> RebuiltError:
     """Draw what is not known, and put the error together."""
     specimens = test.learned
     inferred = infer_errors(
@@ -275,13 +225,12 @@ def _conclude(
         ),
         test.every,
         test.seed,
-        draws=DRAWS_OF_LINEAR if specimens[0].linear else DRAWS,
+        draws=draws if specimens[0].linear else min(draws, _DRAWS),
         test=test,
     )
     responses = [test.response(specimen, test.measured) for specimen in specimens]
-    return MeasuredSpecimen(
+    specimen = MeasuredSpecimen(
         test=test,
-        rebuilt=readings.error_with(histories, test.whole, inferred),
         families=tuple(
             FamilyOfSpecimen(
                 name=specimen.family,
@@ -296,6 +245,7 @@ def _conclude(
         work=test.work_of(specimens[0], test.measured, responses[0]),
         beyond=_range_excess(responses[0], test.measured),
     )
+    return replace(readings.error_with(readings.smoothed, test.whole, inferred), specimen=specimen)
 
 
 def _check_force(force: Array | None, measured_displacement: Array) -> Array:

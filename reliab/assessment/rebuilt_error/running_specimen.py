@@ -11,7 +11,7 @@ less a parabola that follows x_c − x_m with a fading memory (Morrison 1969, *I
 Smoothing and Prediction*, ch. 13), as long as the noise, which third differences show, needs for velocities;
 of x_c and x_I, which have no noise, derivatives are those of the parabola and the cubic through the latest
 samples. N[x_I] at a sample depends on e at that sample: the equation is
-solved by secants inside a bracket, of few steps, so that its work is bounded. `rebuild_with_specimen` draws
+solved by secants inside a bracket, of few steps, so that its work is bounded. `rebuild` draws
 splines through the whole test and takes noise away in both directions of time, which a running test cannot.
 """
 

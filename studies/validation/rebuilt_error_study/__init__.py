@@ -10,6 +10,6 @@ boundary.
 
 The march (`reliab.simulation.hybrid_test.closed_loop.run_closed_loop`: the integral of the equation of motion
 between samples with the force as the actuator gives it) shares no code with the recursion of `rebuild`, which
-never sees the ground motion. `rebuild_with_specimen` marches its own reference with the same kernels of the
+never sees the ground motion. `rebuild` with a model marches its own reference with the same kernels of the
 specimen's force, under the demand that the recorded displacement reveals.
 """

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from reliab.assessment.modelled_test import rebuild_with_specimen
 from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.specimen_check import FEWEST_PERIODS, examine_specimen
 from reliab.core.arrays import Array
@@ -15,6 +14,7 @@ from reliab.motions.motion import Motion, resample
 from reliab.simulation.excitation import Excitation
 from reliab.simulation.hybrid_test.closed_loop import LoopHistories, run_closed_loop
 from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.structure import Structure
 from reliab.tracking.indices.response_error import response_error
 
@@ -191,15 +191,11 @@ def _rebuild_with_model(
         f"{effect.name}.{parameter.name}": _MODEL_OFF * abs(float(value))
         for parameter, value in zip(effect.parameters, free, strict=True)
     }
-    return rebuild_with_specimen(
-        command,
-        measured,
-        bench.record.time_step,
-        HybridTest(
-            structure=bench.structure,
-            specimen=replace(specimen, stiffness=stiffness),
-            effects=(effect.from_values(values),),
-        ),
-        deviations={**deviations, "stiffness_n_per_m": _MODEL_OFF * specimen.stiffness},
-        draws=_DRAWS,
+    test = HybridTest(
+        structure=bench.structure,
+        specimen=replace(specimen, stiffness=stiffness),
+        effects=(effect.from_values(values),),
     )
+    deviations["stiffness_n_per_m"] = _MODEL_OFF * specimen.stiffness
+    model = UpdatedModel(name="", test=test, deviations=deviations)
+    return rebuild(command, measured, bench.record.time_step, model, draws=_DRAWS)

@@ -17,7 +17,6 @@ from rebuilt_error.laboratory import (
 )
 from reliab.assessment.assess import assess
 from reliab.assessment.inference.quantities import QUANTITIES
-from reliab.assessment.modelled_test import rebuild_with_specimen
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.specimen_check import examine_specimen
 from reliab.core.errors import InputError
@@ -25,6 +24,7 @@ from reliab.core.stated_value import StatedValue
 from reliab.effects.registry import find_effect
 from reliab.recordings.recording import Recording
 from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.frame import Specimen
 from reliab.structures.structure import Structure
 
@@ -118,7 +118,7 @@ def test_a_nonlinear_specimen_is_seen_and_its_model_gives_the_error(kind):
     linear = rebuild(outcome.command, noisy(outcome.measured), STEP, structure)
     check = examine_specimen(linear.histories.measured[0], noisy(outcome.force), STEP, 1.0)
     assert check.nonlinear
-    model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, test, draws=2)
+    model_error = rebuild(outcome.command, outcome.measured, STEP, UpdatedModel(name="", test=test), draws=2)
     assert model_error.rms.value == pytest.approx(outcome.rms, rel=0.01)
     assert abs(linear.rms.value / outcome.rms - 1.0) > 0.03
 
@@ -145,9 +145,8 @@ def test_a_wider_posterior_widens_the_interval():
             "stiffness_n_per_m": share * specimen.stiffness,
             "coulomb_friction.force_n": share * 0.15,
         }
-        result = rebuild_with_specimen(
-            outcome.command, outcome.measured, STEP, test, deviations=deviations, draws=16
-        )
+        model = UpdatedModel(name="", test=test, deviations=deviations)
+        result = rebuild(outcome.command, outcome.measured, STEP, model, draws=16)
         widths.append(result.rms.high - result.rms.low)
     assert widths[1] > 2.0 * widths[0] > 0.0
 

@@ -7,11 +7,7 @@ import pytest
 
 from rebuilt_error.laboratory import DELAY, RATE, Lab, run, synthetic_ground
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
-from reliab.assessment.modelled_test import (
-    ModelledTest,
-    rebuild_with_specimen,
-    tangent_structure,
-)
+from reliab.assessment.modelled_test import ModelledTest, tangent_structure
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
@@ -24,6 +20,7 @@ from reliab.assessment.rebuilt_error.specimen_check import (
 from reliab.core.errors import InputError
 from reliab.effects.registry import find_effect
 from reliab.simulation.hybrid_test.model import HybridTest
+from reliab.simulation.hybrid_test.model_file import UpdatedModel
 from reliab.structures.frame import Frame, Specimen
 from reliab.structures.partition import Partition, whole_structure
 from reliab.structures.structure import Structure
@@ -45,9 +42,13 @@ def model(**changes):
     return replace(HybridTest(structure=STRUCTURE, specimen=specimen), **changes)
 
 
+def with_model(deviations=None, **changes):
+    return UpdatedModel(name="", test=model(**changes), deviations=deviations or {})
+
+
 def test_a_linear_model_gives_the_error_of_the_linear_equation(outcome):
     linear = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
-    model_error = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=4)
+    model_error = rebuild(outcome.command, outcome.measured, STEP, with_model(), draws=4)
     assert model_error.rms.value == pytest.approx(linear.rms.value, rel=3e-3)
     assert model_error.mte.value == pytest.approx(linear.mte.value, rel=2e-3)
     monitor = Monitor(STRUCTURE, STEP)
@@ -66,7 +67,7 @@ def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outc
     arguments = (outcome.command, outcome.measured, STEP)
     stated_values = PriorKnowledge(tolerances=tolerances)
     linear = rebuild(*arguments, STRUCTURE, known=stated_values, sensor_offset=0.0, draws=64)
-    model_error = rebuild_with_specimen(*arguments, model(), known=stated_values, sensor_offset=0.0, draws=32)
+    model_error = rebuild(*arguments, with_model(), known=stated_values, sensor_offset=0.0, draws=32)
     ratio = np.median(model_error.displacements[0].deviation[500:]) / np.median(
         linear.displacements[0].deviation[500:]
     )
@@ -74,9 +75,8 @@ def test_tolerances_of_a_linear_model_widen_as_those_of_the_linear_equation(outc
 
 
 def draw_models(outcome, deviations, draws):
-    rebuilt = rebuild_with_specimen(
-        outcome.command, outcome.measured, STEP, model(effects=(FRICTION,)), deviations=deviations, draws=2
-    )
+    updated_model = with_model(deviations, effects=(FRICTION,))
+    rebuilt = rebuild(outcome.command, outcome.measured, STEP, updated_model, draws=2)
     test = rebuilt.inferred.test
     assert isinstance(test, ModelledTest)
     return [test.draw_model(draw) for draw in range(draws)]
@@ -208,7 +208,7 @@ def test_a_frame_of_one_degree_of_freedom_is_its_structure():
 
 def test_motion_between_simulated_samples_counts(outcome):
     """Simulated at twice the step without anything unknown, the errors are those of all samples."""
-    fine = rebuild_with_specimen(outcome.command, outcome.measured, STEP, model(), draws=2)
+    fine = rebuild(outcome.command, outcome.measured, STEP, with_model(), draws=2)
     test = replace(fine.inferred.test, every=2 * fine.inferred.every)
     error, exact = test.on_record(test.solve(fine.inferred.posterior.mode))[:, 0]
     peak = np.abs(fine.displacements[0].reference).max()
