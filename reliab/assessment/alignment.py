@@ -28,7 +28,6 @@ LEAST_MATCH = 0.9
 
 _QUIET = 1e-2  # share of the largest energy of a stretch below which it is compared with nothing
 
-_LEAST_CORRELATION = 0.7  # correlation of the force with what the ground motion leaves for it, at least
 _ALIKE_SOMEWHERE = (
     0.5  # of what the ground motion leaves with the rest of the force, at some place of a record
 )
@@ -169,36 +168,11 @@ class GroundOfTest:
         return abs(self.factor - 1.0) > _AGREES
 
 
-def ground_of_test(
-    test: ExactTest, motion: Motion | None = None, *, force_known: bool = True
-) -> GroundOfTest | None:
-    """Find the ground motion of a test, recorded or given; None where it is that of another one.
-
-    `force_known`: whether the specimen's force is that of the test; that of a linear one, which may have
-    yielded, says of a recorded ground motion only its sign.
-    """
+def ground_of_test(test: ExactTest, motion: Motion | None = None) -> GroundOfTest | None:
+    """Find the ground motion of a test, recorded or given; None where it is that of another one."""
     if motion is not None:
         return _place_on_record(test, motion)
-    own_acceleration = own_ground(test, _LEAST_CORRELATION if force_known else 0.0)
-    return None if own_acceleration is None else GroundOfTest(acceleration=own_acceleration)
-
-
-def own_ground(test: ExactTest, least: float = _LEAST_CORRELATION) -> Array | None:
-    """Ground acceleration with which the computer's equation explains the force; None where none does.
-
-    `least`: smallest correlation of both.
-    """
-    structure, step = test.stated.structure, test.time_step
-    if test.ground is None or structure.all_driven:
-        return None
-    for ground in (test.ground, -test.ground):
-        displacement = structure.displacements(test.command, ground, step)
-        required_force = structure.force_of_computer(displacement, ground, step)
-        if float(np.sum(required_force * test.fed_back)) > least * float(
-            np.linalg.norm(required_force) * np.linalg.norm(test.fed_back)
-        ):
-            return ground
-    return None
+    return None if test.ground is None else GroundOfTest(acceleration=test.ground)
 
 
 def _forces_of_ground(test: ExactTest, ground: Array) -> tuple[Array, Array]:

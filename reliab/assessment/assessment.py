@@ -51,7 +51,7 @@ KEYS: Final[Keys] = {
     "error": {
         "**": "error",
         "widest": (
-            "error.widenings",
+            "error.budget",
             same_names("name", "deviation", "width", "width_without", "deviation_for_half"),
         ),
         "contradictions": "equation.all_contradictions",

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reliab.assessment.alignment import own_ground
 from reliab.assessment.assessment import Assessment
 from reliab.assessment.exact_response import (
     ExactResponse,
@@ -80,10 +79,8 @@ def correct_response(assessment: Assessment | FrameAssessment) -> "xr.Dataset":
     import xarray as xr
 
     test = _exact_test(assessment)
-    ground = own_ground(test)
     table = _ResponseTable(
         test=test,
-        ground=ground,
         has_names=assessment.error.has_several,
         only_displacements=assessment.error.modelled,
         has_forces=not isinstance(assessment, Assessment) or "mass" in assessment.stated,
@@ -95,7 +92,7 @@ def correct_response(assessment: Assessment | FrameAssessment) -> "xr.Dataset":
         attrs={
             "test": assessment.recording.name,
             "specimen": _SPECIMENS[assessment.error.specimen_known],
-            "note": " ".join(_notes(test, ground)),
+            "note": " ".join(_notes(test)),
             **sizes,
         },
     )
@@ -106,7 +103,6 @@ class _ResponseTable:
     """Columns and sizes of a corrected test."""
 
     test: ExactTest
-    ground: Array | None  # Of this very test [m/s²]
     has_names: bool  # Whether interface displacements have names, and no units
     only_displacements: bool
     has_forces: bool
@@ -114,7 +110,7 @@ class _ResponseTable:
     def columns_with_bands(self) -> tuple[dict[str, Array], dict[str, float]]:
         """Columns over the samples, and sizes, each with the ends of its 90 % band."""
         test = self.test
-        exact, sizes = self._evaluate(test.stated, test.time_step, self.ground)
+        exact, sizes = self._evaluate(test.stated, test.time_step, test.ground)
         columns, attributes = {}, {}
         for name, row in zip(test.interface, test.measured, strict=True):
             columns[self._column("measured", name)] = row
@@ -166,7 +162,7 @@ class _ResponseTable:
         """Mean and deviation of each column over the draws, and the sizes of each draw."""
         test, draws = self.test, dict[_Key, list[float]]()
         sums, squares = dict[_Key, Array](), dict[_Key, Array]()
-        ground = None if self.ground is None else self.ground[:: test.every]
+        ground = None if test.ground is None else test.ground[:: test.every]
         number = 0
         for draw in test.draws():
             number += 1
@@ -216,16 +212,15 @@ class _ResponseTable:
 
 
 def _exact_test(assessment: Assessment | FrameAssessment) -> ExactTest:
-    """Say what a test should have been; not of a calibrated model's."""
+    """Say what a test should have been."""
+    error = assessment.error
     if isinstance(assessment, FrameAssessment):
-        return exact_test(
-            assessment.error, assessment.frame.partition.degrees_of_freedom, assessment.recording.ground
-        )
-    unit = assessment.error.specimen is None and "mass" in assessment.stated
-    return exact_test(assessment.error, (), None, assessment.stated["mass"].value if unit else 1.0)
+        return exact_test(error, assessment.frame.partition.degrees_of_freedom, assessment.recording.ground)
+    mass = assessment.stated.get("mass") if error.specimen is None else None
+    return exact_test(error, (), None, None if mass is None else mass.value)
 
 
-def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:
+def _notes(test: ExactTest) -> Iterator[str]:
     """Say how large the correction is, where it is no longer small, and what is not known."""
     largest = max(
         float(np.abs(measured_row - exact).max() / np.abs(exact).max())
@@ -235,5 +230,5 @@ def _notes(test: ExactTest, ground: Array | None) -> Iterator[str]:
     yield f"The largest correction is {percent(largest, decimals=1)} of the exact response's peak."
     if largest > _SMALL:
         yield "That is no longer a small correction: rely on the band, not on the line."
-    if not test.stated.structure.all_driven and ground is None:
-        yield _OTHER_COLUMNS if test.ground is None else _NOT_ITS_MOTION
+    if not test.stated.structure.all_driven and test.ground is None:
+        yield _NOT_ITS_MOTION if test.has_other_ground else _OTHER_COLUMNS

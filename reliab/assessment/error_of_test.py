@@ -1,6 +1,6 @@
 """The error of a test with the threshold it is judged by, of one interface displacement or of several."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Final
@@ -20,9 +20,8 @@ from reliab.assessment.parts import ErrorPart, Parts
 from reliab.assessment.rebuild import RebuiltError, rebuild
 from reliab.assessment.rebuilt_error.noise import filter_of_noise
 from reliab.assessment.rebuilt_error.spread import LEVEL, UNKNOWN, DisplacementError, Estimate
-from reliab.assessment.recorded_force import stiffness_from_mass
 from reliab.assessment.recorded_ground import ShownGround, refusal_of_unit
-from reliab.assessment.uncertainty_budget import BudgetItem, Widening
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.plain_values import Keys, PlainResult, same_names
@@ -30,7 +29,7 @@ from reliab.core.significant_digits import significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import MILLI, PERCENT, Metric
 from reliab.recordings.recording import Recording
-from reliab.structures.partition import Partition, whole_structure
+from reliab.structures.partition import Partition
 from reliab.structures.structure import Structure
 
 if TYPE_CHECKING:
@@ -71,16 +70,19 @@ class Question:
 
     @property
     def full_structure(self) -> Partition:
-        """The structure with its specimen."""
-        return whole_structure(self.structure) if self.frame is None else self.frame.partition
+        """The structure with its specimen; one mass is that which is stated [kg], else one."""
+        if self.frame is not None:
+            return self.frame.partition
+        return Partition.from_structure(self.structure, 1.0 if self.mass is None else self.mass)
 
-    def rebuilt_structure(self, recording: Recording) -> "Partition | UpdatedModel":
-        """Structure with which the error of a test is rebuilt; of a measured specimen with its mass [kg]."""
-        if self.model is not None:
-            return self.model
-        if self.linear:
-            return self.full_structure
-        if self.frame is None and self.mass is None:
+    @property
+    def has_masses(self) -> bool:
+        """Whether masses are stated, so that forces are in the unit of the structure's matrices."""
+        return self.frame is not None or self.mass is not None
+
+    def require_learnable(self, recording: Recording) -> None:
+        """Refuse a measured specimen without its force, or without the mass of the structure."""
+        if not self.has_masses:
             raise InputError(
                 "A measured specimen needs its force and the mass of the structure",
                 value="no force" if recording.force is None else "no `mass`",
@@ -95,20 +97,11 @@ class Question:
                 remedy="Record the force that was fed back, in newtons",
                 where=recording.name,
             )
-        if self.frame is not None or self.mass is None:
-            return self.full_structure
-        return Partition.from_structure(self.structure, self.mass)
 
     @property
     def mass(self) -> float | None:
         """Mass of one mass [kg], where it is stated."""
         return self.stated["mass"].value if "mass" in self.stated else None
-
-    def stiffness_of_specimen(self, number: int) -> float | None:
-        """Stiffness against the motion of an actuator [N/m]; None where no mass is stated."""
-        if self.frame is not None:
-            return float(self.frame.partition.specimen_stiffness[number, number])
-        return stiffness_from_mass(self.structure, self.stated)
 
     @property
     def resolution(self) -> float | None:
@@ -124,16 +117,6 @@ class Question:
     def to_interface(self) -> Array:
         """Interface displacements per unit of each channel [-], shape (p, p)."""
         return np.eye(1) if self.frame is None else self.frame.to_interface
-
-    def may_have_yielded(self, recording: Recording) -> bool:
-        """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
-        return (
-            self.linear
-            and not self.linear_specimen
-            and recording.force is None
-            and not self.ignores_force
-            and self.equipment.yielding > 0.0
-        )
 
     @property
     def feedback_lag(self) -> float:
@@ -318,33 +301,23 @@ class ErrorOfTest(PlainResult):
             for degree in ordered_displacements
         ]
 
-    def exact_draws(self) -> Iterator[tuple[Partition, Array]]:
-        """Draw structures, with their responses without actuator errors at swept samples [m], (p, m)."""
-        return self.rebuilt.inferred.exact()
-
-    @cached_property
-    def widenings(self) -> tuple[Widening, ...]:
-        """What widens the interval of the governing error, the widest first, if any is judged."""
-        if self.governing is None:
-            return ()
-        return self.rebuilt.widenings(self.metric, self.displacements.index(self.governing))
-
     @cached_property
     def budget(self) -> tuple[BudgetItem, ...]:
-        """What makes the interval, the largest contribution first."""
-        return self.rebuilt.inferred.budget(self.widenings)
+        """What makes the interval of the governing error, if any is judged, the largest part first."""
+        if self.governing is None:
+            return ()
+        return self.rebuilt.budget(self.metric, self.displacements.index(self.governing))
 
     @property
     def would_decide(self) -> tuple[str, ...]:
         """What would narrow the interval most, in a sentence; none where nothing widens it."""
-        if not self.widenings:
+        if not self.budget:
             return ()
-        widest = self.widenings[0]
-        item = next(item for item in self.budget if item.name == widest.name)
-        if widest.deviation_for_half is None or item.unit != "%" or item.source is PriorSource.LEARNED:
-            return (item.remedy,)
+        widest = self.budget[0]
+        if widest.deviation_for_half is None or widest.unit != "%" or widest.source is PriorSource.LEARNED:
+            return (widest.remedy,)
         half = significant(PERCENT * widest.deviation_for_half, 2)
-        return (f"Determine the {item.quantity} to {half} %: the interval is then half as wide.",)
+        return (f"Determine the {widest.quantity} to {half} %: the interval is then half as wide.",)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -384,19 +357,21 @@ def error_of_test(
     the recording leave unknown.
     """
     recording = _true_channels(recording, question)
-    degrees = question.full_structure.degrees
+    if question.measured_specimen:
+        question.require_learnable(recording)
+    structure = question.full_structure
     channel = question.force_channel or NOTHING_STATED if question.measured_specimen else None
     rebuilt = rebuild(
         recording.command,
         recording.measured,
         recording.time_step,
-        question.rebuilt_structure(recording),
+        question.model or structure,
         to_interface=question.to_interface,
         feedback_lag=question.feedback_lag,
-        sensor_offset=np.array([0.0 if k in known_offsets else np.nan for k in range(degrees)]),
+        sensor_offset=np.array([0.0 if k in known_offsets else np.nan for k in range(structure.degrees)]),
         resolution=question.resolution,
         ground=recording.ground,
-        force=_channel_of_force(recording, question),
+        force=recording.force if question.has_masses and question.model is None else None,
         ignores_force=question.ignores_force,
         force_channel=channel,
         known=question.known({**_open_filter(recording, question), **(left_by_repairs or {})}),
@@ -420,15 +395,6 @@ def _true_channels(recording: Recording, question: Question) -> Recording:
         return recording
     straighten = question.frame.straighten
     return replace(recording, command=straighten(recording.command), measured=straighten(recording.measured))
-
-
-def _channel_of_force(recording: Recording, question: Question) -> Array | None:
-    """Return the recorded force [N], of one mass with a linear specimen over the mass [N/kg], if known."""
-    if recording.force is None or question.model is not None:
-        return None
-    if question.measured_specimen or question.frame is not None:
-        return recording.force
-    return None if question.mass is None else recording.force / question.mass
 
 
 def _open_filter(recording: Recording, question: Question) -> dict[str, float]:

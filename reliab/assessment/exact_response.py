@@ -7,7 +7,6 @@ import numpy as np
 import scipy
 
 from reliab.assessment.error_of_test import ErrorOfTest
-from reliab.assessment.inferred_error import EXACT_DRAWS
 from reliab.assessment.substructures import Substructures
 from reliab.core.arrays import Array
 from reliab.structures.partition import Partition
@@ -32,7 +31,8 @@ class ExactTest:
     every: int  # Number of samples of which one was drawn
     interface: tuple[str, ...]  # Names of the interface displacements; one empty name where there is one
     degrees: tuple[str, ...]  # Names of all degrees of freedom; none where the interface is all
-    ground: Array | None  # Ground acceleration [m/s²], shape (n,); None where it was not recorded
+    ground: Array | None  # Its ground acceleration [m/s²], shape (n,); None where it was not recorded
+    has_other_ground: bool  # Whether the recorded ground acceleration is that of another test
     measured: Array  # Displacements of the specimen without noise [m], shape (p, n)
     command: Array  # The same of the command [m], shape (p, n)
     fed_back: Array  # Force of the specimen along the measured path [N], shape (p, n)
@@ -59,26 +59,27 @@ def _respond_to_force(
     )
 
 
-def _scale_by_mass(partition: Partition, mass: float) -> Partition:
-    """Structure of matrices per unit mass, with a mass [kg]."""
+def _scale_by_mass(partition: Partition, factor: float) -> Partition:
+    """Structure with all of its masses, and what they feel, larger by a factor."""
     names = ("mass", "damping", "stiffness", "specimen_stiffness", "specimen_damping", "specimen_mass")
-    return partition.replace_values(**{name: mass * getattr(partition, name) for name in names})
+    return partition.replace_values(**{name: factor * getattr(partition, name) for name in names})
 
 
 def exact_test(
-    error: ErrorOfTest, degrees: tuple[str, ...], ground: Array | None, mass: float = 1.0
+    error: ErrorOfTest, degrees: tuple[str, ...], ground: Array | None, mass: float | None = None
 ) -> ExactTest:
     """Say what a test should have been.
 
-    `degrees`: names of all degrees of freedom; `ground` [m/s²]; `mass` [kg] by which matrices of a test with
-    one actuator are multiplied.
+    `degrees`: names of all degrees of freedom; `ground` as recorded [m/s²]; `mass` of one mass with a linear
+    specimen [kg], as it was identified.
     """
     specimen = error.specimen
     rebuilt, step, rows = error.rebuilt, error.rebuilt.time_step, error.displacements
+    larger = 1.0 if mass is None else mass / float(rebuilt.structure.mass[0, 0])
     exact = np.stack([row.reference for row in rows])
     measured_displacement = exact + np.stack([row.smooth_error for row in rows])
     if specimen is None:
-        stated_response = _linear(_scale_by_mass(rebuilt.structure, mass), exact, step)
+        stated_response = _linear(_scale_by_mass(rebuilt.structure, larger), exact, step)
         fed_back = stated_response.structure.force_of_linear(measured_displacement, step)[1]
     else:
         stated_response = _respond_to_force(
@@ -88,18 +89,19 @@ def exact_test(
 
     def draws() -> Iterator[ExactResponse]:
         if specimen is not None:
-            draws_of_specimen = specimen.test.exact_of_draws(error.rebuilt.inferred.worlds(EXACT_DRAWS))
+            draws_of_specimen = specimen.test.exact_of_draws(rebuilt.inferred.worlds())
             yield from (_respond_to_force(*response) for response in draws_of_specimen)
             return
-        for structure, response in error.exact_draws():
-            yield _linear(_scale_by_mass(structure, mass), response, rebuilt.inferred.every * step)
+        for structure, response in rebuilt.inferred.exact_draws():
+            yield _linear(_scale_by_mass(structure, larger), response, rebuilt.inferred.every * step)
 
     return ExactTest(
         time_step=step,
         every=rebuilt.inferred.every,
         interface=rebuilt.structure.names if error.has_several else ("",),
         degrees=degrees,
-        ground=ground,
+        ground=error.ground.evidence(ground),
+        has_other_ground=error.ground.misfit is not None and not error.ground.fits,
         measured=measured_displacement,
         command=rebuilt.command,
         fed_back=fed_back,

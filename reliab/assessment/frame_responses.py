@@ -15,7 +15,7 @@ import numpy as np
 from reliab.assessment.alignment import GroundOfTest, ground_of_test
 from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.exact_response import ExactTest, exact_test
-from reliab.assessment.inference.error_draws import ACCURACY
+from reliab.assessment.inferred_error import ACCURACY
 from reliab.assessment.rebuilt_error.error_statistics import mean_square
 from reliab.assessment.rebuilt_error.spread import ErrorDraws, Estimate
 from reliab.assessment.substructures import Substructures
@@ -126,28 +126,25 @@ def errors_of_responses(
     degrees: tuple[str, ...],
     recorded_ground: Array | None,
     motion: Motion | None = None,
-    *,
-    force_known: bool = True,
 ) -> ResponseErrors:
     """Compute the errors of all floors and storeys of a frame from those of the interface.
 
     `degrees`: names of all degrees of freedom; `recorded_ground`: ground acceleration [m/s²]; `motion`: the
-    ground motion in place of it; `force_known`: whether the specimen's force is known, as of a linear one.
+    ground motion in place of it.
     """
     test = exact_test(error, degrees, recorded_ground)
     names, weights = _responses(test)
-    ground = ground_of_test(test, motion, force_known=force_known)
+    ground = ground_of_test(test, motion)
     looking = _Looking(test=test, weights=weights, ground=ground)
     draws = looking.sizes_of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     errors = [
         _response(looking.as_stated[:, place], draws[..., place], *name) for place, name in enumerate(names)
     ]
-    needs_ground = motion is not None or test.ground is not None
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
         specimen="linear" if error.specimen is None else "measured",
         ground_factor=ground.factor if ground is not None and ground.differs else None,
-        other_motion=needs_ground and ground is None and not test.stated.structure.all_driven,
+        other_motion=not looking.has_peaks and (motion is not None or test.has_other_ground),
         over_peaks=looking.has_peaks,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.frame_assessment import FrameAssessment
-from reliab.assessment.frame_responses import ResponseErrors, errors_of_responses
+from reliab.assessment.frame_responses import errors_of_responses
 from reliab.assessment.judged_test import JudgedError
 from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import place
@@ -15,7 +15,6 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.stated_value import StatedValue
 from reliab.criterion.criterion import Criterion
-from reliab.motions.motion import Motion
 from reliab.recordings.recording import Recording
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit, stability_limit
@@ -64,7 +63,9 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment:
         **judged.common,
         frame=frame,
         mode=mode,
-        responses=_responses(error, judged.recording, question, judged.motion),
+        responses=errors_of_responses(
+            error, frame.partition.degrees_of_freedom, judged.recording.ground, judged.motion
+        ),
         limit=limit,
         limit_of_gains=limit_of_gains,
         tracking=tracking,
@@ -75,17 +76,6 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment:
         if criterion is None or tracking is None
         else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
     )
-
-
-def _responses(
-    error: ErrorOfTest,
-    recording: Recording,
-    question: Question,
-    motion: Motion | None,
-) -> ResponseErrors:
-    degrees = question.full_structure.degrees_of_freedom
-    force_known = not question.may_have_yielded(recording)
-    return errors_of_responses(error, degrees, recording.ground, motion, force_known=force_known)
 
 
 def _track_over_frequency(recording: Recording) -> TrackingOverFrequency | None:

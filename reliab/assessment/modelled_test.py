@@ -25,8 +25,7 @@ from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.simulated import SimulatedTest
 from reliab.assessment.inference.uncertain_quantity import Circumstances
-from reliab.assessment.inferred_error import infer_errors
-from reliab.assessment.rebuild import Readings, RebuiltError
+from reliab.assessment.inferred_error import InferredError, infer_errors
 from reliab.assessment.rebuilt_error.size import samples_in_step_of_simulation
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -43,10 +42,12 @@ _LARGEST_RATIO = 0.99
 _LEAST = 0.05  # of a value: a draw of a positive parameter goes no lower
 
 
-def rebuild_modelled(
-    readings: Readings, model: UpdatedModel, circumstances: Circumstances, *, draws: int, seed: int
-) -> RebuiltError:
-    """Rebuild the error of a test with a calibrated specimen, whose channels show nothing of what is unknown.
+def infer_modelled(
+    command: Array, model: UpdatedModel, circumstances: Circumstances, *, draws: int, seed: int
+) -> InferredError:
+    """Infer the error of a test with a calibrated specimen, whose channels show nothing of what is unknown.
+
+    `command` [m], shape (n,).
 
     >>> from reliab.assessment.rebuild import rebuild
     >>> from reliab.simulation.hybrid_test.model import Actuator
@@ -64,20 +65,20 @@ def rebuild_modelled(
     >>> bool(abs(error.rms.value / true - 1.0) < 0.02)
     True
     """
-    test, command, tangent = model.test, readings.command[0], circumstances.partition
-    stride = samples_in_step_of_simulation(float(tangent.natural_frequencies[0]), readings.time_step)
+    test, channels = model.test, circumstances.channels
+    lowest = float(circumstances.partition.natural_frequencies[0])
+    stride = samples_in_step_of_simulation(lowest, channels.band.record_step)
     modelled = ModelledTest(
         model=HybridTest(
             structure=test.structure, mass=test.mass, specimen=test.specimen, effects=test.acting(Role.FORCE)
         ),
         deviations=model.deviations,
-        channels=readings.channels,
+        channels=channels,
         recorded_command=command,
         every=stride,
         seed=seed,
     )
-    inferred = infer_errors(circumstances, stride, seed, draws=min(draws, _DRAWS), test=modelled)
-    return readings.error_with(readings.smoothed, tangent, inferred)
+    return infer_errors(circumstances, stride, seed, draws=min(draws, _DRAWS), test=modelled)
 
 
 def tangent_structure(test: HybridTest) -> Partition:

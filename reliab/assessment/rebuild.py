@@ -22,7 +22,7 @@ Use it so ::
     error.division.parts()                              Parts: first, by_name[...] with share, rms,
                                                         remaining_rms, remaining_mte, history;
                                                         rms_over_time(...)
-    error.widenings(metric)                             what widens the interval, widest first
+    error.budget(metric)                                what makes the interval, the largest first
     error.readings.starts, .noises                      the sensors' offsets and noise [m]
 
     displacement, *others = error.displacements         one for each actuator
@@ -45,7 +45,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.error_draws import typical_world
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import EXACTLY_KNOWN, Circumstances, PriorKnowledge
@@ -58,7 +57,7 @@ from reliab.assessment.rebuilt_error.readings import require_lag
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_structure
 from reliab.assessment.rebuilt_error.spread import UNKNOWN, DisplacementError, ErrorDraws, Estimate
 from reliab.assessment.recorded_ground import ShownGround, examine_ground
-from reliab.assessment.uncertainty_budget import Widening
+from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition, whole_structure
@@ -176,7 +175,7 @@ class Readings:
 
     def rebuilt(self, inferred: InferredError) -> "RebuiltError":
         """Put the posterior of a test into the form of a rebuilt error."""
-        world = typical_world(inferred.posterior, inferred.errors)
+        world = inferred.typical_world()
         return self.error_with(self._histories(world), world.structure(self.partition), inferred)
 
     def error_with(
@@ -184,15 +183,13 @@ class Readings:
     ) -> "RebuiltError":
         """Put together what draws say of the error, and the histories and the structure of its parts."""
         read = self.channels.to_interface @ self.read
-        noise = self._noise_left(np.abs(inferred.errors.exact).max(axis=1))
+        noise = self._noise_left(np.abs(inferred.exact).max(axis=1))
         return RebuiltError(
             readings=self,
             structure=structure,
             histories=histories,
             displacements=tuple(
-                DisplacementError(
-                    **inferred.histories(place, read[place]), name=name, noise=float(noise[place])
-                )
+                inferred.displacement(place, read[place], name=name, noise=float(noise[place]))
                 for place, name in enumerate(self.partition.names)
             ),
             inferred=inferred,
@@ -308,12 +305,12 @@ class RebuiltError:
             return self.specimen.part_of_tracking(followed_command, self._peak)
         return part_of_tracking(self.histories, self.structure, self.inferred.band, followed_command)
 
-    def widenings(self, metric: Metric, place: int = 0) -> tuple[Widening, ...]:
-        """Return what widens the interval of a displacement, the widest first."""
-        parts = self.inferred.widenings(metric, place)
+    def budget(self, metric: Metric, place: int = 0) -> tuple[BudgetItem, ...]:
+        """Say what makes the interval of a displacement, the largest contribution first."""
+        items = self.inferred.budget(metric, place)
         if self.specimen is not None:
-            parts = (*parts, self.specimen.widening(self.inferred, metric))
-        return tuple(sorted(parts, key=lambda part: -part.contribution))
+            items = (*items, self.specimen.budget_item(self.inferred, metric))
+        return tuple(sorted(items, key=lambda item: -item.contribution))
 
     @property
     def _peak(self) -> float:
@@ -392,13 +389,18 @@ def rebuild(
         feedback_lag=feedback_lag,
     )
     if model is not None:
-        from reliab.assessment.modelled_test import rebuild_modelled
+        from reliab.assessment.modelled_test import infer_modelled
 
-        rebuilt = rebuild_modelled(readings, model, circumstances, draws=draws, seed=seed)
+        inferred = infer_modelled(readings.command[0], model, circumstances, draws=draws, seed=seed)
+        rebuilt = readings.error_with(readings.smoothed, partition, inferred)
     elif force_channel is not None:
-        from reliab.assessment.measured_specimen.rebuild import rebuild_learned
+        from reliab.assessment.measured_specimen.rebuild import infer_learned
 
-        rebuilt = rebuild_learned(readings, force, force_channel, circumstances, draws=draws, seed=seed)
+        histories, noise = readings.smoothed, readings.noises[0]
+        inferred, specimen = infer_learned(
+            histories, force, noise, force_channel, circumstances, draws=draws, seed=seed
+        )
+        rebuilt = replace(readings.error_with(histories, partition, inferred), specimen=specimen)
     else:
         rebuilt = readings.rebuilt(infer_errors(circumstances, readings.stride, seed, draws=draws))
     return replace(rebuilt, ground=shown)

@@ -332,13 +332,6 @@ def _power(values: Array) -> float:
     return float(np.var(values))
 
 
-def stiffness_from_mass(structure: Structure, stated_values: Mapping[str, StatedValue]) -> float | None:
-    """Stiffness of the specimen [N/m]; None where no mass is stated."""
-    if "mass" not in stated_values:
-        return None
-    return stated_values["mass"].value * structure.experimental_fraction * structure.circular_frequency**2
-
-
 def remark_on_force(
     recording: Recording, structure: Structure, stated_values: Mapping[str, StatedValue]
 ) -> str:
@@ -352,22 +345,22 @@ def remark_on_force(
     examined = ExaminedForce.from_histories(clean.measured, clean.force, clean.time_step)
     if examined is None:
         return ""
-    stated_stiffness = stiffness_from_mass(structure, stated_values)
-    least = _SPRING if stated_stiffness is None else _STRAIGHT
-    stiffness = examined.stiffness_above(least)
+    per_mass = structure.experimental_fraction * structure.circular_frequency**2
+    stated_mass = stated_values.get("mass")
+    stiffness = examined.stiffness_above(_SPRING if stated_mass is None else _STRAIGHT)
     if stiffness is None:
         return ""
-    if stated_stiffness is not None:
-        if abs(stiffness / stated_stiffness - 1.0) <= _AGREES:
-            return ""
+    if stated_mass is None:
         return (
-            f"The recorded force is {percent(stiffness / stated_stiffness, decimals=0)} of what mass, "
-            "frequency and share make of the measured displacement. Check them, and the scale of the force."
+            "The unit of the recorded force was not checked: in newtons it implies a mass of "
+            f"{significant(stiffness / per_mass)} kg. Give `mass` to verify it."
         )
-    mass = stiffness / (structure.experimental_fraction * structure.circular_frequency**2)
+    share = stiffness / (stated_mass.value * per_mass)
+    if abs(share - 1.0) <= _AGREES:
+        return ""
     return (
-        "The unit of the recorded force was not checked: in newtons it implies a mass of "
-        f"{significant(mass)} kg. Give `mass` to verify it."
+        f"The recorded force is {percent(share, decimals=0)} of what mass, frequency and share make of the "
+        "measured displacement. Check them, and the scale of the force."
     )
 
 

@@ -7,7 +7,7 @@ motion, in other units, and for one mass as its absolute acceleration.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 
@@ -60,6 +60,9 @@ _ABSOLUTE = (
 _REMEDY = "Check channel, unit and range of the ground acceleration, and the description of the structure."
 
 
+_Channel = TypeVar("_Channel", Array, Spectrum)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ShownGround:
     """What a recorded ground acceleration shows."""
@@ -77,7 +80,7 @@ class ShownGround:
         1.0  # By which it would explain the motion, where its unit is another one than stated
     )
 
-    def evidence(self, ground: Spectrum | None) -> Spectrum | None:
+    def evidence(self, ground: _Channel | None) -> _Channel | None:
         """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
         return self.sign * ground if ground is not None and self.fits else None
 

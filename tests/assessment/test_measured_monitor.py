@@ -12,8 +12,8 @@ import pytest
 
 from reliab import assess, follow_test
 from reliab.app.cli import run
-from reliab.assessment.measured_specimen import monitor as following
-from reliab.assessment.measured_specimen.monitor import MeasuredMonitor
+from reliab.assessment import monitor as following
+from reliab.assessment.monitor import MeasuredMonitor
 from reliab.assessment.rebuilt_error.running_test import TIME_WITHOUT_DOUBLING
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric

@@ -410,7 +410,7 @@ def test_parts_and_budget_are_those_of_the_measured_specimen() -> None:
     displacement = error.part_of_tracking(full_test + error.displacements[0].reference)
     late = parts["fed_back_force"].history
     assert displacement.history + late == pytest.approx(full_test, abs=0.01 * peak)
-    contributions = {single.name: single.contribution for single in error.widenings(Metric.RMS)}
+    contributions = {single.name: single.contribution for single in error.budget(Metric.RMS)}
     assert {"specimen", "sensor_noise", "mass"} <= set(contributions)
     reference = _learn_from(test, feedback_lag=0.001).rms
     size = error.rms

@@ -141,15 +141,6 @@ def test_nothing_is_asked_of_an_exact_laboratory_or_a_recorded_force(linear, reb
     assert examine_turning(error, force_case, make_question(1.0)).error_if_yielding is None
 
 
-def test_a_specimen_may_have_yielded_whose_force_nobody_recorded_or_stated(linear):
-    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
-    assert make_question(1.0).may_have_yielded(recording)
-    assert not make_question(1.0, linear_specimen=True).may_have_yielded(recording)
-    assert not make_question(1.0, equipment=exact_equipment()).may_have_yielded(recording)
-    assert not make_question(1.0, measured_specimen=True).may_have_yielded(recording)
-    assert not make_question(1.0).may_have_yielded(replace(recording, force=linear.force))
-
-
 def test_assess_states_turning_points_of_its_verdict(linear):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
     content = assess(recording, STRUCTURE, equipment=ordinary_equipment(), threshold=0.2).to_dict()

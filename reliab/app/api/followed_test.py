@@ -15,8 +15,7 @@ from reliab.assessment.budget.sizes import Equipment, limit_certainty, tolerance
 from reliab.assessment.inference.posterior import DRAWS
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.measured_specimen.force_channel import ForceChannel
-from reliab.assessment.measured_specimen.monitor import MeasuredMonitor
-from reliab.assessment.monitor import Monitor
+from reliab.assessment.monitor import MeasuredMonitor, Monitor
 from reliab.assessment.plausibility import RunningSign
 from reliab.assessment.rebuild import RebuiltError
 from reliab.assessment.rebuilt_error.loop_energy import FALSE_ALARMS

@@ -33,13 +33,12 @@ from reliab.assessment.parts import (
     part_of,
     parts_of,
 )
-from reliab.assessment.rebuild import Readings, RebuiltError
 from reliab.assessment.rebuilt_error.error_statistics import relative_error
 from reliab.assessment.rebuilt_error.histories import Histories
 from reliab.assessment.rebuilt_error.noise import SensorNoise, white_floor
 from reliab.assessment.rebuilt_error.recursion import Recursion
 from reliab.assessment.rebuilt_error.size import require_fitting, samples_in_step_of_simulation
-from reliab.assessment.uncertainty_budget import Widening
+from reliab.assessment.uncertainty_budget import SPECIMEN, BudgetItem
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.threads import one_thread
@@ -111,16 +110,13 @@ class MeasuredSpecimen:
         piece = self._error_of_displacement(np.ascontiguousarray(followed_command[:: test.every]))
         return part_of(test.interpolate(piece), test.interpolate(self._error), peak)
 
-    def widening(self, inferred: InferredError, metric: Metric) -> Widening:
+    def budget_item(self, inferred: InferredError, metric: Metric) -> BudgetItem:
         """Find what the interval owes to what the force leaves open of the specimen."""
         as_stated = Experiment.as_stated(actuators=1)
         draws = [self.test.solve(as_stated, draw)[:, 0] for draw in range(_DRAWS)]
-        return inferred.widening_alone(
-            "specimen",
-            np.array([relative_error(error, exact, metric) for error, exact in draws]),
-            metric,
-            deviation=self.test.unexplained_force,
-        )
+        errors = np.array([relative_error(error, exact, metric) for error, exact in draws])
+        deviation = self.test.unexplained_force
+        return inferred.item_alone("specimen", SPECIMEN, errors, metric, deviation=deviation)
 
     def _error_of_displacement(self, displacement: Array) -> Array:
         """Error of an actuator that moves like this along the command [m], at the simulated samples."""
@@ -133,23 +129,25 @@ class MeasuredSpecimen:
         return measured - self.test.response(self.test.learned[0], measured)
 
 
-def rebuild_learned(
-    readings: Readings,
+def infer_learned(
+    histories: Histories,
     force: Array | None,
+    noise: SensorNoise,
     channel: ForceChannel,
     circumstances: Circumstances,
     *,
     draws: int,
     seed: int,
-) -> RebuiltError:
-    """Learn the specimen from its force [N], shape (n,), and rebuild the error of its test."""
-    structure, step = circumstances.partition, readings.time_step
+) -> tuple[InferredError, MeasuredSpecimen]:
+    """Learn the specimen from its force [N], shape (n,), and infer the error of its test.
+
+    `histories`: smoothed by the filter of the sensor's `noise`.
+    """
+    structure, step, command = circumstances.partition, histories.time_step, histories.command[0]
     with one_thread():
-        command, noise = readings.command[0], readings.noises[0]
         force = _check_force(force, command)
         stride = _samples_in_step(structure, step)
         require_fitting(command.size, stride, step)
-        histories = readings.smoothed
         thin = histories.thin(stride)
         recorded_force = np.ascontiguousarray(noise.smooth(force)[::stride])
         channel_columns = columns_of_channel(recorded_force, thin.measured[0], thin.time_step)
@@ -170,7 +168,7 @@ def rebuild_learned(
         )
         bounded_specimens = tuple(specimen for specimen in test.learned if test.is_bounded(specimen))
         test = replace(test, learned=bounded_specimens or test.learned[:1])
-        return _conclude(test, readings, circumstances, draws)
+        return _conclude(test, circumstances, draws)
 
 
 def _samples_in_step(structure: Partition, time_step: float) -> int:
@@ -213,8 +211,8 @@ def _path(
 
 
 def _conclude(
-    test: LearnedTest, readings: Readings, circumstances: Circumstances, draws: int
-) -> RebuiltError:
+    test: LearnedTest, circumstances: Circumstances, draws: int
+) -> tuple[InferredError, MeasuredSpecimen]:
     """Draw what is not known, and put the error together."""
     specimens = test.learned
     inferred = infer_errors(
@@ -229,7 +227,7 @@ def _conclude(
         test=test,
     )
     responses = [test.response(specimen, test.measured) for specimen in specimens]
-    specimen = MeasuredSpecimen(
+    return inferred, MeasuredSpecimen(
         test=test,
         families=tuple(
             FamilyOfSpecimen(
@@ -245,7 +243,6 @@ def _conclude(
         work=test.work_of(specimens[0], test.measured, responses[0]),
         beyond=_range_excess(responses[0], test.measured),
     )
-    return replace(readings.error_with(readings.smoothed, test.whole, inferred), specimen=specimen)
 
 
 def _check_force(force: Array | None, measured_displacement: Array) -> Array:

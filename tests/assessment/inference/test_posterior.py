@@ -10,12 +10,12 @@ from scipy.interpolate import CubicSpline
 
 from reliab.assessment.budget.sizes import exact_equipment, ordinary_equipment
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.error_draws import draw_errors
 from reliab.assessment.inference.evidence import ImpliedGroundMotion
 from reliab.assessment.inference.posterior import infer
 from reliab.assessment.inference.randomized_optimization import LeastSquares
 from reliab.assessment.inference.rebuilt import rebuild
 from reliab.assessment.inference.uncertain_quantity import Circumstances
+from reliab.assessment.inferred_error import draw_errors
 from reliab.assessment.rebuilt_error.error_statistics import relative_errors
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import Metric
@@ -56,7 +56,7 @@ def late_test():
 def test_rebuilt_error_is_exact_when_everything_is_known(late_test, ground):
     circumstances = circumstances_of(late_test, f=1.0, xi=0.03, ground=ground)
     posterior = infer(circumstances, draws=4)
-    result = draw_errors(posterior).displacements[0]
+    result = draw_errors(posterior).draws[0]
     assert result.estimate(Metric.RMS).value == pytest.approx(late_test.rms, rel=0.02)
     assert result.estimate(Metric.MTE).value == pytest.approx(late_test.mte, rel=0.03)
 
@@ -143,7 +143,7 @@ def test_recorded_excitation_never_widens_the_interval(late_test):
         circumstances = circumstances_of(
             late_test, f=1.0, xi=0.03, ground=ground, equipment=ordinary_equipment()
         )
-        estimate = draw_errors(infer(circumstances)).displacements[0].estimate(Metric.RMS)
+        estimate = draw_errors(infer(circumstances)).draws[0].estimate(Metric.RMS)
         widths.append(estimate.high - estimate.low)
         assert estimate.low < late_test.rms < estimate.high
     assert widths[1] < widths[0]
@@ -242,7 +242,7 @@ def _rank(seed):
         name: float(weights @ (posterior.values[:, names.index(name)] < truth))
         for name, truth in truths.items()
     }
-    ranks["error"] = float(weights @ (draw_errors(posterior).displacements[0].rms < test.rms))
+    ranks["error"] = float(weights @ (draw_errors(posterior).draws[0].rms < test.rms))
     return ranks
 
 

@@ -76,7 +76,7 @@ def test_probability_is_capped_by_the_draws_and_falls_with_the_threshold(outcome
 def test_the_widest_tolerance_is_named_and_half_of_the_width_is_reached(outcome):
     tolerances = PriorKnowledge(tolerances={"damping_ratio": 0.15, "frequency": 0.001})
     rebuilt = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE, known=tolerances)
-    widest = rebuilt.inferred.widenings(Metric.RMS)[0]
+    widest = rebuilt.budget(Metric.RMS)[0]
     assert widest.name == "damping_ratio"
     assert widest.width_without < 0.5 * widest.width
     assert 0.0 < widest.deviation_for_half < 0.15
@@ -126,7 +126,7 @@ def test_beginning_in_motion_is_reported(outcome):
     true = np.sqrt(np.mean(error**2)) / np.abs(outcome.ideal[begin:]).max()
     assert not rebuilt.readings.starts[0].at_rest
     assert rebuilt.rms.low < true < rebuilt.rms.high
-    assert "initial_state" in {single.name for single in rebuilt.inferred.widenings(Metric.RMS)}
+    assert "initial_state" in {single.name for single in rebuilt.budget(Metric.RMS)}
 
 
 @pytest.mark.slow
