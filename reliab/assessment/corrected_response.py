@@ -215,7 +215,8 @@ def _exact_test(assessment: Assessment | FrameAssessment) -> ExactTest:
     """Say what a test should have been."""
     error = assessment.error
     if isinstance(assessment, FrameAssessment):
-        return exact_test(error, assessment.frame.partition.degrees_of_freedom, assessment.recording.ground)
+        ground = error.ground.evidence(assessment.recording.ground)
+        return exact_test(error, assessment.frame.partition.degrees_of_freedom, ground)
     mass = assessment.stated.get("mass") if error.specimen is None else None
     return exact_test(error, (), None, None if mass is None else mass.value)
 

@@ -118,6 +118,11 @@ class Question:
         """Interface displacements per unit of each channel [-], shape (p, p)."""
         return np.eye(1) if self.frame is None else self.frame.to_interface
 
+    def may_have_yielded(self, recording: Recording) -> bool:
+        """Whether the specimen may have yielded, of which nothing was stated and no force recorded."""
+        is_settled = self.linear_specimen or self.ignores_force or not self.equipment.yielding
+        return self.linear and not is_settled and recording.force is None
+
     @property
     def feedback_lag(self) -> float:
         """Time by which the force is stated to be fed back late [s]."""

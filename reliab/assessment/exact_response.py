@@ -70,7 +70,7 @@ def exact_test(
 ) -> ExactTest:
     """Say what a test should have been.
 
-    `degrees`: names of all degrees of freedom; `ground` as recorded [m/s²]; `mass` of one mass with a linear
+    `degrees`: names of all degrees of freedom; `ground` of this test [m/s²]; `mass` of one mass with a linear
     specimen [kg], as it was identified.
     """
     specimen = error.specimen
@@ -100,8 +100,8 @@ def exact_test(
         every=rebuilt.inferred.every,
         interface=rebuilt.structure.names if error.has_several else ("",),
         degrees=degrees,
-        ground=error.ground.evidence(ground),
-        has_other_ground=error.ground.misfit is not None and not error.ground.fits,
+        ground=ground,
+        has_other_ground=error.ground.misfit is not None and ground is None,
         measured=measured_displacement,
         command=rebuilt.command,
         fed_back=fed_back,

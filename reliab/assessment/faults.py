@@ -375,18 +375,19 @@ def _slow(
     if blocks < _FEWEST_BLOCKS:
         return
     blocks = min(blocks, _MOST_BLOCKS)
-    line = _line(recording.measured - prediction, blocks)
-    place = np.linspace(-0.5, 0.5, recording.command.size)
+    sizes, errors = _fit_line(recording.measured - prediction, blocks)
+    answers, deviations = _fit_line(recording.command, blocks)
+    shapes = np.ones(recording.command.size), np.linspace(-0.5, 0.5, recording.command.size)
     least = _LEAST_SHARE * threshold * peak
-    terms = (
-        ("offset", line.offset, line.offset_error, np.ones_like(place)),
-        ("drift", line.drift, line.drift_error, place),
+    terms = zip(
+        ("offset", "drift"), sizes.tolist(), errors.tolist(), shapes, answers, deviations, strict=True
     )
-    for kind, size, error, shape in terms:
+    for kind, size, error, shape, answer, deviation in terms:
         if abs(size) < least or abs(size) < _SIGNIFICANT * error:
             continue
         share = f"{percent(abs(size) / peak, decimals=2)} of the command's peak"
-        loop_answers = _loop_answers(recording.command, experimental_fraction * size, kind, blocks)
+        force_offset = experimental_fraction * size
+        loop_answers = _loop_answers(-answer / force_offset, deviation / abs(force_offset))
         yield Fault(
             kind=kind,
             finding=f"The measured displacement has an offset of {share}."
@@ -399,36 +400,19 @@ def _slow(
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Line:
-    """Mean and rise of a history over its length, with their standard errors."""
-
-    offset: float
-    drift: float
-    offset_error: float
-    drift_error: float
-
-
-def _line(values: Array, blocks: int) -> _Line:
+def _fit_line(values: Array, blocks: int) -> tuple[Array, Array]:
+    """Mean and rise of a history over its length, and their standard errors, shape (2,) each."""
     means = np.array([float(part.mean()) for part in np.array_split(values, blocks)])
     places = (np.arange(blocks) + 0.5) / blocks - 0.5
     design = np.stack([np.ones(blocks), places], axis=1)
     coefficients, *_ = np.linalg.lstsq(design, means, rcond=None)
     scatter = float(np.sum((means - design @ coefficients) ** 2)) / (blocks - 2)
-    errors = np.sqrt(scatter * np.diag(np.linalg.inv(design.T @ design)))
-    return _Line(
-        offset=float(coefficients[0]),
-        drift=float(coefficients[1]),
-        offset_error=float(errors[0]),
-        drift_error=float(errors[1]),
-    )
+    return coefficients, np.sqrt(scatter * np.diag(np.linalg.inv(design.T @ design)))
 
 
-def _loop_answers(command: Array, force_offset: float, kind: str, blocks: int) -> bool | None:
-    """Whether the command's mean is that of a loop which felt the offset, or of one which did not."""
-    line = _line(command, blocks)
-    size, error = (line.offset, line.offset_error) if kind == "offset" else (line.drift, line.drift_error)
-    answer, spread = -size / force_offset, _SIGNIFICANT / 2.0 * error / abs(force_offset)
+def _loop_answers(answer: float, deviation: float) -> bool | None:
+    """Whether the command's mean, over what an offset causes in the loop, shows that the loop felt it."""
+    spread = _SIGNIFICANT / 2.0 * deviation
     if spread < _LOOP_RANGE[1] - 1.0 and _LOOP_RANGE[0] <= answer <= _LOOP_RANGE[1]:
         return True
     if spread < _SENSOR_RANGE[1] and _SENSOR_RANGE[0] <= answer <= _SENSOR_RANGE[1]:

@@ -14,7 +14,6 @@ from reliab.assessment.placement import Placement, ScopeOfTest, compare_test, re
 from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force
 from reliab.assessment.tracking_index import TrackingIndex
-from reliab.assessment.uncertainty_budget import BudgetItem
 from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
@@ -121,11 +120,6 @@ class FrameAssessment(JudgedTest):
     def critical_delay(self) -> float:
         """Exact critical delay [s]; infinite where no delay is critical."""
         return self.limit.delay
-
-    @property
-    def budget(self) -> tuple[BudgetItem, ...]:
-        """What makes the interval of the error, the largest contribution first."""
-        return self.error.budget
 
     @property
     def scope(self) -> ScopeOfTest | None:

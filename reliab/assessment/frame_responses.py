@@ -124,18 +124,18 @@ class ResponseErrors(PlainResult):
 def errors_of_responses(
     error: ErrorOfTest,
     degrees: tuple[str, ...],
-    recorded_ground: Array | None,
+    ground: Array | None,
     motion: Motion | None = None,
 ) -> ResponseErrors:
     """Compute the errors of all floors and storeys of a frame from those of the interface.
 
-    `degrees`: names of all degrees of freedom; `recorded_ground`: ground acceleration [m/s²]; `motion`: the
-    ground motion in place of it.
+    `degrees`: names of all degrees of freedom; `ground`: recorded ground acceleration of this test [m/s²];
+    `motion`: the ground motion in place of it.
     """
-    test = exact_test(error, degrees, recorded_ground)
+    test = exact_test(error, degrees, ground)
     names, weights = _responses(test)
-    ground = ground_of_test(test, motion)
-    looking = _Looking(test=test, weights=weights, ground=ground)
+    found = ground_of_test(test, motion)
+    looking = _Looking(test=test, weights=weights, ground=found)
     draws = looking.sizes_of_draws((draw.structure, draw.at_interface) for draw in test.draws())
     errors = [
         _response(looking.as_stated[:, place], draws[..., place], *name) for place, name in enumerate(names)
@@ -143,7 +143,7 @@ def errors_of_responses(
     return ResponseErrors(
         each=tuple(sorted(errors, key=lambda response: -response.size)),
         specimen="linear" if error.specimen is None else "measured",
-        ground_factor=ground.factor if ground is not None and ground.differs else None,
+        ground_factor=found.factor if found is not None and found.differs else None,
         other_motion=not looking.has_peaks and (motion is not None or test.has_other_ground),
         over_peaks=looking.has_peaks,
     )

@@ -192,33 +192,23 @@ class RunningSign:
     """Sign of the measured displacement against its command while a test runs, by actuators."""
 
     def __init__(self) -> None:
-        self._size, self._sums, self._products = 0, np.zeros((2, 1)), np.zeros((3, 1))
+        self._size, self._sums, self._products = 0, np.zeros((2, 1)), np.zeros((2, 2, 1))
 
     def add(self, command: Array, measured_displacement: Array) -> None:
         """Add the next samples, shape (k,) or (p, k)."""
         rows = np.stack([np.atleast_2d(command), np.atleast_2d(measured_displacement)])
         self._size += rows.shape[2]
         self._sums = self._sums + rows.sum(axis=2)
-        self._products = self._products + np.stack([(a * b).sum(axis=1) for a, b in _pairs(*rows)])
+        self._products = self._products + np.einsum("apk,bpk->abp", rows, rows)
 
     def is_reversed(self, frequency: float) -> bool:
         """Whether one of them runs against its command, which no delay below half a period [Hz] makes."""
         if 2.0 * frequency * _LONGEST_REACTION >= 1.0 or not self._size:
             return False
         means = self._sums / self._size
-        of_command, both, of_measured = (
-            products / self._size - a * b
-            for products, (a, b) in zip(self._products, _pairs(*means), strict=True)
-        )
-        return bool((both < _OPPOSITE * np.sqrt(np.maximum(of_command * of_measured, 0.0))).any())
-
-
-def _pairs(command: Array, measured_displacement: Array) -> tuple[tuple[Array, Array], ...]:
-    return (
-        (command, command),
-        (command, measured_displacement),
-        (measured_displacement, measured_displacement),
-    )
+        covariance = self._products / self._size - means * means[:, np.newaxis]
+        size = np.sqrt(np.maximum(covariance[0, 0] * covariance[1, 1], 0.0))
+        return bool((covariance[0, 1] < _OPPOSITE * size).any())
 
 
 def _moving(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -80,9 +80,12 @@ class ShownGround:
         1.0  # By which it would explain the motion, where its unit is another one than stated
     )
 
-    def evidence(self, ground: _Channel | None) -> _Channel | None:
-        """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing."""
-        return self.sign * ground if ground is not None and self.fits else None
+    def evidence(self, ground: _Channel | None, *, is_sure: bool = False) -> _Channel | None:
+        """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing.
+
+        `is_sure`: whether it is that of the test although it does not fit the structure, and has only a sign.
+        """
+        return self.sign * ground if ground is not None and (self.fits or is_sure) else None
 
 
 def examine_ground(

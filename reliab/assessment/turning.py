@@ -4,9 +4,9 @@ A specimen of which nobody recorded the force is stiff as stated up to the large
 ductility, and softer beyond. The error with each ductility follows from the test's own displacements.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, TypeAlias
 
 import numpy as np
 
@@ -125,8 +125,8 @@ def examine_turning(error: ErrorOfTest, recording: Recording, question: Question
     step = recording.time_step
     doubt_of_skew = "" if "skew" in question.stated else question.equipment.doubt_of_skew(step)
     is_known = recording.force is not None or question.ignores_force or question.linear_specimen
-    yielding = {} if is_known else errors_of_ductilities(error.rebuilt, question.metric)
-    hardening = {} if is_known else errors_of_hardenings(error.rebuilt, question.metric)
+    yielding = {} if is_known else errors_with(error.rebuilt, question.metric, yielded, DUCTILITIES)
+    hardening = {} if is_known else errors_with(error.rebuilt, question.metric, hardened, HARDENINGS)
     filters = _errors_if_filtered(error) if "filter_delay" not in question.stated else {}
     return Turning(
         smallest_ductility=_first(yielding, error),
@@ -206,20 +206,7 @@ _HARDENING = 0.03  # stiffness after yielding over that before
 _SHARPNESS = 8.0  # exponent of the hysteresis
 
 
-def errors_of_ductilities(
-    rebuilt: RebuiltError, metric: Metric, ductilities: Sequence[float] = DUCTILITIES
-) -> dict[float, float]:
-    """Errors if the specimen yielded to each ductility, with all else as stated."""
-    specimens = [yielded(_peaks(rebuilt), ductility) for ductility in ductilities]
-    return dict(zip(ductilities, _errors(rebuilt, metric, specimens), strict=True))
-
-
-def errors_of_hardenings(
-    rebuilt: RebuiltError, metric: Metric, hardenings: Sequence[float] = HARDENINGS
-) -> dict[float, float]:
-    """Errors if the specimen hardened with the cube of its displacement, by each share at its largest."""
-    specimens = [hardened(_peaks(rebuilt), hardening) for hardening in hardenings]
-    return dict(zip(hardenings, _errors(rebuilt, metric, specimens), strict=True))
+SpecimenOfSize: TypeAlias = Callable[[Array, float], list[SteppedEffect]]
 
 
 def yielded(peaks: Array, ductility: float) -> list[SteppedEffect]:
@@ -239,13 +226,14 @@ def _peaks(rebuilt: RebuiltError) -> Array:
     return np.where(peaks > 0.0, peaks, 1.0)
 
 
-def _errors(
-    rebuilt: RebuiltError, metric: Metric, specimens: Sequence[Sequence[SteppedEffect]]
-) -> list[float]:
-    """Largest error of the judged displacements with each specimen."""
+def errors_with(
+    rebuilt: RebuiltError, metric: Metric, specimen: SpecimenOfSize, sizes: Sequence[float]
+) -> dict[float, float]:
+    """Largest errors of the judged displacements if the specimen yielded or hardened by each size."""
+    specimens = [specimen(_peaks(rebuilt), size) for size in sizes]
     thin = rebuilt.histories.thin(samples_in_step_of_structure(rebuilt.structure, rebuilt.time_step))
     judged = [place for place, degree in enumerate(rebuilt.displacements) if degree.judged]
     statistics = errors_with_specimens(specimens, thin, rebuilt.structure)[:, judged]
     square, largest, ideal = np.moveaxis(statistics, -1, 0)
     errors = (np.sqrt(square) if metric is Metric.RMS else largest) / ideal
-    return [float(error) for error in errors.max(axis=1, initial=0.0)]
+    return dict(zip(sizes, errors.max(axis=1, initial=0.0).tolist(), strict=True))

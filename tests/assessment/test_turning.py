@@ -16,9 +16,10 @@ from reliab.assessment.turning import (
     HARDENINGS,
     Turning,
     _errors_if_filtered,
-    errors_of_ductilities,
-    errors_of_hardenings,
+    errors_with,
     examine_turning,
+    hardened,
+    yielded,
 )
 from reliab.assessment.verdict import Verdict, Word
 from reliab.core.stated_value import StatedValue
@@ -62,14 +63,14 @@ def test_error_of_a_yielding_specimen_equals_its_simulation(linear, reduction):
     outcome = run(yielding, synthetic_ground(2, 15.0))
     result = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     ductility = float(np.abs(outcome.measured).max()) / displacement
-    error = errors_of_ductilities(result, Metric.RMS, (ductility,))[ductility]
+    error = errors_with(result, Metric.RMS, yielded, (ductility,))[ductility]
     assert error == pytest.approx(outcome.rms, rel=0.01)
     assert result.rms.value != pytest.approx(outcome.rms, rel=0.2)
 
 
 def test_smallest_ductility_is_the_first_beyond_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
-    sizes = errors_of_ductilities(rebuilt, Metric.RMS)
+    sizes = errors_with(rebuilt, Metric.RMS, yielded, DUCTILITIES)
     assert sizes[6.0] < sizes[2.0] < 0.9 * rebuilt.rms.value
     threshold = 0.5 * (sizes[2.0] + sizes[2.5])
     question = make_question(threshold)
@@ -88,14 +89,14 @@ def test_error_of_a_hardening_specimen_equals_its_simulation(linear):
     outcome = run(hardening, synthetic_ground(2, 15.0))
     result = rebuild(outcome.command, outcome.measured, STEP, STRUCTURE)
     share = 0.3 * (float(np.abs(outcome.measured).max()) / largest) ** 2
-    error = errors_of_hardenings(result, Metric.RMS, (share,))[share]
+    error = errors_with(result, Metric.RMS, hardened, (share,))[share]
     assert error == pytest.approx(outcome.rms, rel=0.01)
     assert result.rms.value != pytest.approx(outcome.rms, rel=0.05)
 
 
 def test_smallest_hardening_is_the_first_beyond_the_threshold(linear, rebuilt):
     recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
-    sizes = errors_of_hardenings(rebuilt, Metric.RMS)
+    sizes = errors_with(rebuilt, Metric.RMS, hardened, HARDENINGS)
     threshold = 0.5 * (sizes[0.1] + sizes[0.15])
     turning = examine_turning(error_under(rebuilt, threshold), recording, make_question(threshold))
     lower = rebuilt.rms.value < threshold
@@ -139,6 +140,15 @@ def test_nothing_is_asked_of_an_exact_laboratory_or_a_recorded_force(linear, reb
     assert examine_turning(error, recording, make_question(1.0, equipment=exact_equipment())) == Turning()
     force_case = replace(recording, force=linear.force)
     assert examine_turning(error, force_case, make_question(1.0)).error_if_yielding is None
+
+
+def test_a_specimen_may_have_yielded_whose_force_nobody_recorded_or_stated(linear):
+    recording = Recording(command=linear.command, measured=linear.measured, time_step=STEP)
+    assert make_question(1.0).may_have_yielded(recording)
+    assert not make_question(1.0, linear_specimen=True).may_have_yielded(recording)
+    assert not make_question(1.0, equipment=exact_equipment()).may_have_yielded(recording)
+    assert not make_question(1.0, measured_specimen=True).may_have_yielded(recording)
+    assert not make_question(1.0).may_have_yielded(replace(recording, force=linear.force))
 
 
 def test_assess_states_turning_points_of_its_verdict(linear):

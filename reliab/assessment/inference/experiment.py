@@ -54,6 +54,16 @@ class Experiment:
             force_skew=force_skew,
         )
 
+    def change(self, name: str, value: float, actuator: int, *, by_factor: bool) -> None:
+        """Change a value by a difference, or by a relative one; one of another name is a part of a frame."""
+        values = getattr(self, name, None)
+        if values is None:
+            self.parts[name] = value
+        elif isinstance(values, np.ndarray):
+            values[actuator] = _changed(values[actuator], value, by_factor=by_factor)
+        else:
+            setattr(self, name, _changed(values, value, by_factor=by_factor))
+
     def structure(self, partition: Partition) -> Partition:
         """Structure of this world."""
         factors = self.frequency, self.damping_ratio, self.share
@@ -95,6 +105,10 @@ class Experiment:
             return None
         forces = channels.force * channels.band.advance(self.force_skew) / self.force_scale[:, np.newaxis]
         return channels.force_at_interface(forces)
+
+
+def _changed(stated: float, value: float, *, by_factor: bool) -> float:
+    return stated * (1.0 + value) if by_factor else stated + value
 
 
 @lru_cache(maxsize=8)

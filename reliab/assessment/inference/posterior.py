@@ -172,7 +172,8 @@ def experiment_at(
     experiment = Experiment.as_stated(circumstances.partition.degrees)
     experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
     for unknown, normal in zip(unknowns, z.tolist(), strict=True):
-        unknown.quantity.change(experiment, unknown.prior.value(normal), unknown.actuator)
+        quantity, value = unknown.quantity, unknown.prior.value(normal)
+        experiment.change(quantity.changes, value, unknown.actuator, by_factor=quantity.by_factor)
     return experiment
 
 

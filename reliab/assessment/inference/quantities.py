@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from reliab.assessment.budget.sizes import DEVIATION_OF_HYSTERESIS, Equipment, PriorSource
-from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.uncertain_quantity import Circumstances, Description, Prior, Quantity, Shape
 from reliab.core.vocabulary import MILLI
 from reliab.structures.parts_of_structure import PARTS, is_part, part_and_number
@@ -16,42 +15,6 @@ _MOVING_START = "Record from rest: the error at the first sample is not known."
 _FILTERS = "State the filters of both channels, or use the same on both."
 _FREE_VIBRATION = "Measure the damping ratios by a free vibration, and state their deviations."
 _SENSOR_REMEDY = "Find out whether the controller used this sensor, and correct the recording if it did not."
-
-
-def _add_difference(name: str) -> Callable[[Experiment, float, int], None]:
-    """Add the difference to a value of the experiment."""
-
-    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
-        setattr(experiment, name, getattr(experiment, name) + value)
-
-    return change
-
-
-def _add_to_sensor(name: str) -> Callable[[Experiment, float, int], None]:
-    """Add the difference to the value of an actuator's sensor."""
-
-    def change(experiment: Experiment, value: float, actuator: int) -> None:
-        getattr(experiment, name)[actuator] += value
-
-    return change
-
-
-def _scale_value(name: str) -> Callable[[Experiment, float, int], None]:
-    """Change a value of the experiment by a relative difference."""
-
-    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
-        setattr(experiment, name, getattr(experiment, name) * (1.0 + value))
-
-    return change
-
-
-def _scale_of_sensor(name: str) -> Callable[[Experiment, float, int], None]:
-    """Change the scale of an actuator's sensor by a relative difference."""
-
-    def change(experiment: Experiment, value: float, actuator: int) -> None:
-        getattr(experiment, name)[actuator] *= 1.0 + value
-
-    return change
 
 
 def _skew(circumstances: Circumstances, equipment: Equipment) -> float:
@@ -114,7 +77,7 @@ QUANTITIES = (
         words="filters of the channels",
         unit="ms",
         remedy=_FILTERS,
-        change=_add_to_sensor("skew"),
+        changes="skew",
         ordinary=lambda _, equipment: equipment.filter_delay_ms / MILLI,
         actuator_specific=True,
         option="filter_delay",
@@ -124,7 +87,7 @@ QUANTITIES = (
         words="skew of the channels",
         unit="ms",
         remedy="Feed one signal to both channels (`reliab calibrate`) and give the `skew`.",
-        change=_add_to_sensor("skew"),
+        changes="skew",
         ordinary=_skew,
         actuator_specific=True,
         option="skew",
@@ -134,7 +97,8 @@ QUANTITIES = (
         words="damping ratio",
         unit="%",
         remedy="Measure the damping ratio in a free vibration, and state its standard deviation.",
-        change=_scale_value("damping_ratio"),
+        changes="damping_ratio",
+        by_factor=True,
         ordinary=lambda _, equipment: equipment.xi,
         shape=Shape.LOGNORMAL,
         option="xi",
@@ -145,7 +109,7 @@ QUANTITIES = (
         words="lag of the fed-back force",
         unit="ms",
         remedy="Measure by how much the force is fed back late, and state it.",
-        change=_add_difference("feedback_lag"),
+        changes="feedback_lag",
         ordinary=lambda _, equipment: equipment.feedback_lag_ms / MILLI,
         option="feedback_lag",
     ),
@@ -154,7 +118,8 @@ QUANTITIES = (
         words="mass of the structure and scale of the load cell",
         unit="%",
         remedy="Calibrate the load cell, and state mass and force to a smaller deviation.",
-        change=_scale_of_sensor("force_scale"),
+        changes="force_scale",
+        by_factor=True,
         ordinary=_size_with_force(lambda _, equipment: equipment.force_scale),
         actuator_specific=True,
         option="mass",
@@ -165,7 +130,7 @@ QUANTITIES = (
         words="lag of the recorded force",
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
-        change=_add_to_sensor("force_skew"),
+        changes="force_skew",
         ordinary=_size_with_force(_lag_of_further_channel),
         actuator_specific=True,
         option="force_lag",
@@ -175,7 +140,7 @@ QUANTITIES = (
         words="viscous damping of the specimen",
         unit="ms",
         remedy="Measure by how much the force is recorded late, and state it.",
-        change=_add_difference("specimen_lead"),
+        changes="specimen_lead",
         shape=Shape.POSITIVE,
     ),
     Quantity(
@@ -183,21 +148,22 @@ QUANTITIES = (
         words="mass between load cell and specimen",
         unit="kg",
         remedy="Weigh what is mounted between load cell and specimen, and state it.",
-        change=_add_difference("attached_mass"),
+        changes="attached_mass",
     ),
     Quantity(
         name="load_path_friction",
         words="friction in the load path",
         unit="N",
         remedy="Measure the friction of the load path without a specimen, and state it.",
-        change=_add_difference("load_path_friction"),
+        changes="load_path_friction",
     ),
     Quantity(
         name="ground_scale",  # of the recorded ground acceleration over the one that the computer applied
         words="scale of the ground acceleration",
         unit="%",
         remedy="Record the ground acceleration that the computer applied.",
-        change=_scale_value("ground_scale"),
+        changes="ground_scale",
+        by_factor=True,
         ordinary=_size_with_ground(lambda _, equipment: equipment.ground_scale),
     ),
     Quantity(
@@ -205,7 +171,7 @@ QUANTITIES = (
         words="skew of the ground acceleration",
         unit="ms",
         remedy="Record the ground acceleration at the same instants as the command.",
-        change=_add_difference("ground_skew"),
+        changes="ground_skew",
         ordinary=_size_with_ground(_lag_of_further_channel),
     ),
     Quantity(
@@ -213,7 +179,7 @@ QUANTITIES = (
         words="motion before the record",
         unit="mm",
         remedy=_MOVING_START,
-        change=_add_difference("initial_displacement"),
+        changes="initial_displacement",
         ordinary=lambda known, _: known.channels.initial_size,
     ),
     Quantity(
@@ -221,7 +187,7 @@ QUANTITIES = (
         words="motion before the record",
         unit="mm",
         remedy=_MOVING_START,
-        change=_add_difference("initial_velocity"),
+        changes="initial_velocity",
         ordinary=lambda known, _: known.channels.initial_size,
     ),
     Quantity(
@@ -229,7 +195,7 @@ QUANTITIES = (
         words="numerical integration",
         unit="",
         remedy="Compute the numerical part in smaller steps.",
-        change=_add_difference("integration"),
+        changes="integration",
         ordinary=_size_with_ground(lambda _, equipment: equipment.integration),
     ),
     Quantity(
@@ -237,7 +203,7 @@ QUANTITIES = (
         words="interpolation of the ground acceleration",
         unit="",
         remedy="Compute the numerical part in smaller steps.",
-        change=_add_difference("ground_interpolation"),
+        changes="ground_interpolation",
         ordinary=_size_with_ground(lambda _, equipment: equipment.integration),
     ),
     Quantity(
@@ -245,7 +211,8 @@ QUANTITIES = (
         words="natural frequency",
         unit="%",
         remedy="Measure the natural frequency in a free vibration, and state its standard deviation.",
-        change=_scale_value("frequency"),
+        changes="frequency",
+        by_factor=True,
         ordinary=lambda _, equipment: equipment.f,
         shape=Shape.LOGNORMAL,
         option="f",
@@ -256,7 +223,7 @@ QUANTITIES = (
         words="whether the loop felt the sensor's drift",
         unit="mm",
         remedy=_SENSOR_REMEDY,
-        change=_add_to_sensor("drift"),
+        changes="drift",
         actuator_specific=True,
         shape=Shape.EITHER,
     ),
@@ -265,7 +232,7 @@ QUANTITIES = (
         words="whether the command passed the filter of the measured displacement",
         unit="ms",
         remedy=_FILTERS,
-        change=_add_to_sensor("skew"),
+        changes="skew",
         actuator_specific=True,
         shape=Shape.EITHER,
     ),
@@ -274,7 +241,7 @@ QUANTITIES = (
         words="whether the loop felt the sensor's offset",
         unit="mm",
         remedy=_SENSOR_REMEDY,
-        change=_add_to_sensor("offset"),
+        changes="offset",
         actuator_specific=True,
         shape=Shape.EITHER,
     ),
@@ -283,7 +250,7 @@ QUANTITIES = (
         words="drift of the displacement sensor",
         unit="mm",
         remedy="Record rest before and after the test, which shows the sensor's drift.",
-        change=_add_to_sensor("drift"),
+        changes="drift",
         ordinary=lambda known, _: float(known.channels.drift_size[known.actuator]),
         actuator_specific=True,
     ),
@@ -292,7 +259,7 @@ QUANTITIES = (
         words="hysteresis of the displacement sensor",
         unit="%",
         remedy="Measure the sensor's hysteresis by a slow cycle, and state it.",
-        change=_add_to_sensor("hysteresis"),
+        changes="hysteresis",
         ordinary=lambda _, equipment: equipment.hysteresis,
         actuator_specific=True,
         option="hysteresis",
@@ -303,7 +270,7 @@ QUANTITIES = (
         words="offset of the displacement sensor",
         unit="mm",
         remedy="Record some seconds of rest before the test, which show the sensor's offset.",
-        change=_add_to_sensor("offset"),
+        changes="offset",
         ordinary=lambda known, _: float(known.channels.offset_size[known.actuator]),
         actuator_specific=True,
     ),
@@ -312,7 +279,8 @@ QUANTITIES = (
         words="scale of the displacement sensor",
         unit="%",
         remedy="Calibrate the displacement sensor and give its `scale`.",
-        change=_scale_of_sensor("scale"),
+        changes="scale",
+        by_factor=True,
         ordinary=lambda _, equipment: equipment.scale,
         actuator_specific=True,
         option="scale",
@@ -324,7 +292,8 @@ QUANTITIES = (
         words="share of the stiffness",
         unit="%",
         remedy="Measure the specimen's stiffness, and state the deviation of its share.",
-        change=_scale_value("share"),
+        changes="share",
+        by_factor=True,
         ordinary=_share,
         option="alpha",
         relative=True,
@@ -367,15 +336,11 @@ _PARTS = {  # words, and what would reduce the uncertainty
 @cache
 def part_of_structure(name: str) -> Quantity:
     """Relative change of a part that a frame's file states with a tolerance, such as "storey_stiffness_2"."""
-
-    def change(experiment: Experiment, value: float, actuator: int) -> None:  # noqa: ARG001
-        experiment.parts[name] = value
-
     kind, number = part_and_number(name) or (name, "1 and, equally, of all others" if name in PARTS else "")
     words, remedy = _PARTS[kind]
     shape = Shape.LOGNORMAL if "damping" in name else Shape.NORMAL
     return Quantity(
-        name=name, words=f"{words} {number}".rstrip(), unit="%", remedy=remedy, change=change, shape=shape
+        name=name, words=f"{words} {number}".rstrip(), unit="%", remedy=remedy, changes=name, shape=shape
     )
 
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Final
 import scipy
 
 from reliab.assessment.budget.sizes import Equipment, PriorSource, exact_equipment
-from reliab.assessment.inference.experiment import Experiment
 from reliab.core.arrays import Spectrum
 from reliab.core.stated_value import StatedValue, require_physical
 from reliab.core.vocabulary import MILLI, PERCENT
@@ -137,7 +136,8 @@ class Quantity(Description):
     """An uncertain quantity."""
 
     name: str  # Key in JSON
-    change: Callable[[Experiment, float, int], None]  # Change a world by its difference from the stated value
+    changes: str  # Which value of a world it changes, or part of a frame
+    by_factor: bool = False  # Whether by a relative difference from the stated value
     # Its standard deviation with ordinary equipment; zero if only faults leave it open
     ordinary: Callable[[Circumstances, Equipment], float] = _nothing
     actuator_specific: bool = False  # Whether every actuator has its own

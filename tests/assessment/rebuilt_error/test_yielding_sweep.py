@@ -8,7 +8,7 @@ import scipy
 
 from reliab.assessment.rebuild import rebuild
 from reliab.assessment.rebuilt_error.yielding_sweep import errors_with_specimens, yielding_specimen
-from reliab.assessment.turning import errors_of_ductilities
+from reliab.assessment.turning import errors_with, yielded
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
 
@@ -74,15 +74,15 @@ def test_error_of_a_yielding_frame_equals_its_integration(command, rebuilt):
     error, peak = GAIN * command - exact, np.abs(exact).max()
     ductility = GAIN * float(np.abs(command).max()) / YIELD
     assert ductility > 2.0
-    rms = errors_of_ductilities(rebuilt, Metric.RMS, (ductility,))[ductility]
+    rms = errors_with(rebuilt, Metric.RMS, yielded, (ductility,))[ductility]
     assert rms == pytest.approx(np.sqrt(np.mean(error**2)) / peak, rel=0.01)
-    mte = errors_of_ductilities(rebuilt, Metric.MTE, (ductility,))[ductility]
+    mte = errors_with(rebuilt, Metric.MTE, yielded, (ductility,))[ductility]
     assert mte == pytest.approx(np.abs(error).max() / peak, rel=0.02)
     assert rebuilt.rms.value != pytest.approx(rms, rel=0.2)
 
 
 def test_hardly_yielding_specimen_has_the_error_of_a_linear_one(rebuilt):
-    assert errors_of_ductilities(rebuilt, Metric.RMS, (0.1,))[0.1] == pytest.approx(
+    assert errors_with(rebuilt, Metric.RMS, yielded, (0.1,))[0.1] == pytest.approx(
         rebuilt.rms.value, rel=2e-3
     )
 

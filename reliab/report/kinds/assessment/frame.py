@@ -78,7 +78,7 @@ def _displacement_blocks(assessment: FrameAssessment) -> tuple[tuple[Block, ...]
         figures = (histories_figure(governing, error.parts, assessment.recording, name=governing.name),)
     error_blocks = (
         _errors(assessment),
-        budget_table(assessment.budget, assessment.error.would_decide),
+        budget_table(assessment.error.budget, assessment.error.would_decide),
         *figures,
     )
     blocks = (_parts(error), _tracking(assessment), _modes(assessment))
