@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, SteppedEffect
@@ -20,7 +21,7 @@ class CoulombFriction(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "there is dry friction in the specimen"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="force_n",
             units="N",

@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 
-from reliab.core.vocabulary import Block
-from reliab.effects.bouc_wen import BOUC_WEN, require_followed
-from reliab.effects.effect import Parameter, Role, SteppedEffect
+from reliab.core.arrays import Array
+from reliab.effects.effect import Parameter, Setting
 from reliab.effects.hysteresis import Hysteresis
 
 
 @dataclass(frozen=True, kw_only=True)
-class DegradingHysteresis(SteppedEffect):
+class DegradingHysteresis(Hysteresis):
     """A hysteresis that loses stiffness and strength with the energy it dissipates, and slips about z = 0.
 
     z' = h(z)·(v/(d·η))·(1 − ν·|z|ⁿ(β·sgn(vz) + γ)) with η = 1 + δ_η·ε, ν = 1 + δ_ν·ε and the slip
@@ -17,10 +16,9 @@ class DegradingHysteresis(SteppedEffect):
     """
 
     name = "degrading_hysteresis"
-    block = Block.SPECIMEN
-    role = Role.FORCE
     description = "the specimen's hysteresis loses stiffness or strength from cycle to cycle, or is pinched"
     refines = Hysteresis
+    limiting_cases = ()
     parameters = (
         *Hysteresis.parameters,
         Parameter(
@@ -54,19 +52,12 @@ class DegradingHysteresis(SteppedEffect):
             starts=(0.05,),
         ),
     )
-    kernel = BOUC_WEN
 
-    # force_n, displacement_m, gamma, exponent, lost_share: As in
-    # :class:`~reliab.effects.hysteresis.Hysteresis`, before anything is lost
-    force_n: float
-    displacement_m: float
-    gamma: float = 0.5
-    exponent: float = 2.0
-    lost_share: float = 0.0
     stiffness_loss: float = 0.0  # δ_η [-], growth of the flexibility with the energy
     strength_loss: float = 0.0  # δ_ν [-], fall of the strength with the energy
     slip: float = 0.0  # ζ [-], share of the stiffness that is missing about z = 0, from 0 to 0.95
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_followed(self.exponent)
+    def coefficients(self, setting: Setting) -> Array:
+        """Return the parameters."""
+        del setting
+        return self.values

@@ -3,9 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from reliab.core.vocabulary import Block
 from reliab.effects.coulomb_friction import CoulombFriction
-from reliab.effects.effect import Parameter, Role, SteppedEffect
+from reliab.effects.effect import Parameter
 from reliab.effects.kernel import Kernel, Numbers
 
 
@@ -15,12 +14,10 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _
 
 
 @dataclass(frozen=True, kw_only=True)
-class DirectionalFriction(SteppedEffect):
+class DirectionalFriction(CoulombFriction):
     """A force F·s·(1 + a·s) with s = tanh(v/v_s): F(1 + a) forwards and F(1 − a) backwards."""
 
     name = "directional_friction"
-    block = Block.SPECIMEN
-    role = Role.FORCE
     description = "dry friction in the specimen is stronger in one direction than in the other"
     refines = CoulombFriction
     parameters = (
@@ -38,6 +35,5 @@ class DirectionalFriction(SteppedEffect):
     )
     kernel = Kernel(function=_force, linear=0)
 
-    force_n: float  # Mean friction force F of both directions [N]
-    regularisation_velocity_m_per_s: float  # Velocity v_s [m/s] over which the force changes sign
+    # `force_n` is the mean friction force F of both directions [N]
     asymmetry: float = 0.0  # a [-], half the difference of both directions over their mean, between −1 and 1

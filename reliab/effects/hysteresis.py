@@ -1,6 +1,7 @@
 """Bouc–Wen hysteresis in addition to the linear spring, or in place of a part of it (Wen 1976)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from reliab.core.arrays import Array
 from reliab.core.vocabulary import Block
 from reliab.effects.bouc_wen import BOUC_WEN, require_followed
 from reliab.effects.coulomb_friction import CoulombFriction
-from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
+from reliab.effects.effect import Effect, Parameter, Role, Setting, SteppedEffect
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,8 +32,8 @@ class Hysteresis(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen yields and dissipates like a Bouc–Wen hysteresis"
-    limiting_cases = (CoulombFriction,)
-    parameters = (
+    limiting_cases: ClassVar[tuple[type[Effect], ...]] = (CoulombFriction,)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="force_n",
             units="N",

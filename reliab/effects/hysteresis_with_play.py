@@ -5,9 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reliab.core.arrays import Array
-from reliab.core.vocabulary import Block
-from reliab.effects.bouc_wen import require_followed
-from reliab.effects.effect import Parameter, Role, Setting, SteppedEffect
+from reliab.effects.effect import Parameter, Setting
 from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.series_play import SeriesPlay
@@ -53,7 +51,7 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
 
 
 @dataclass(frozen=True, kw_only=True)
-class HysteresisWithPlay(SteppedEffect):
+class HysteresisWithPlay(Hysteresis):
     """A hysteresis that is first relieved, then crosses play without force, then is loaded the other way.
 
     The play is in series with the hysteretic part alone, which may yield later in one direction, at f(1 + a)
@@ -63,8 +61,6 @@ class HysteresisWithPlay(SteppedEffect):
     """
 
     name = "hysteresis_with_play"
-    block = Block.SPECIMEN
-    role = Role.FORCE
     description = "the specimen yields like a Bouc–Wen hysteresis behind play that carries no force"
     refines = Hysteresis
     limiting_cases = (Hysteresis,)
@@ -85,19 +81,8 @@ class HysteresisWithPlay(SteppedEffect):
     )
     kernel = Kernel(function=_force, states=4, linear=0, by_path=True)
 
-    # force_n, displacement_m, gamma, exponent, lost_share: As in
-    # :class:`~reliab.effects.hysteresis.Hysteresis`, without play
-    force_n: float
-    displacement_m: float
-    gamma: float = 0.5
-    exponent: float = 2.0
-    lost_share: float = 0.0
     width_m: float  # Whole play w [m]
     asymmetry: float = 0.0  # a [-], half the difference of both directions' strength over their mean
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_followed(self.exponent)
 
     def coefficients(self, setting: Setting) -> Array:
         """Parameters of the hysteresis, play over its yield displacement, and asymmetry."""

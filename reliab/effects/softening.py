@@ -1,6 +1,7 @@
 """A specimen that is softer below the largest displacement that it has seen (Mullins 1969)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class Softening(SteppedEffect):
     description = (
         "the specimen is softer while it moves less than it did before, in this test or in an earlier one"
     )
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="lost_n_per_m",
             units="N/m",
@@ -67,13 +68,11 @@ class Softening(SteppedEffect):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Damage(SteppedEffect):
+class Damage(Softening):
     """A softening whose stiffness at the largest displacement falls with it, too, by d·max|x|."""
 
     name = "damage"
     reported_name = "softening"
-    block = Block.SPECIMEN
-    role = Role.FORCE
     description = "the specimen loses stiffness with the largest displacement that it has seen"
     refines = Softening
     parameters = (
@@ -90,11 +89,7 @@ class Damage(SteppedEffect):
             starts=(0.05,),
         ),
     )
-    kernel = Kernel(function=_softened, states=1, by_path=True)
-    remembers_peaks = True
 
-    lost_n_per_m: float  # c [N/m], lost far below the largest displacement
-    power: float  # p [-]
     damage_n_per_m2: float  # d [N/m²]
 
     def coefficients(self, setting: Setting) -> Array:

@@ -6,9 +6,10 @@ Maxwell model, after Ferry (1980), *Viscoelastic properties of polymers*, chapte
 
 import math
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from reliab.core.vocabulary import Block
-from reliab.effects.effect import Parameter, Role, SteppedEffect
+from reliab.effects.effect import Effect, Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
 
@@ -52,8 +53,8 @@ class ViscoelasticBranch(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen relaxes, like a spring in series with a dashpot beside its spring"
-    limiting_cases = (ViscousDamping,)
-    parameters = (
+    limiting_cases: ClassVar[tuple[type[Effect], ...]] = (ViscousDamping,)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="stiffness_n_per_m",
             units="N/m",
@@ -84,17 +85,16 @@ class ViscoelasticBranch(SteppedEffect):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TwoViscoelasticBranches(SteppedEffect):
+class TwoViscoelasticBranches(ViscoelasticBranch):
     """A force k₁(x − q₁) + k₂(x − q₂) with T·q₁' = x − q₁ and rT·q₂' = x − q₂."""
 
     name = "two_viscoelastic_branches"
     reported_name = "viscoelastic_branch"
-    block = Block.SPECIMEN
-    role = Role.FORCE
     description = (
         "the specimen relaxes with two times, like springs in series with dashpots beside its spring"
     )
     refines = ViscoelasticBranch
+    limiting_cases = ()
     parameters = (
         *ViscoelasticBranch.parameters,
         replace(
@@ -115,7 +115,6 @@ class TwoViscoelasticBranches(SteppedEffect):
     )
     kernel = Kernel(function=_two_branches, states=4)
 
-    stiffness_n_per_m: float  # Stiffness k₁ [N/m] of the faster branch
-    time_s: float  # Its relaxation time T [s]
+    # `stiffness_n_per_m` and `time_s` are those of the faster branch, k₁ and T
     second_stiffness_n_per_m: float  # Stiffness k₂ [N/m] of the slower branch
     time_ratio: float  # Ratio r [-] of both times
