@@ -12,9 +12,8 @@ from reliab.discrepancy.campaign.campaign import Channel, MeasuredTest
 from reliab.discrepancy.fitting.problem import Problem
 from reliab.discrepancy.result.gap import Gap, HeldOutTest
 from reliab.discrepancy.segment import energy_of
-from reliab.signals.kind_of_motion import kind_of_motion
 from reliab.signals.noise import converter_step, near_mains
-from reliab.signals.spectra import detrend, hann, periodogram
+from reliab.signals.spectra import detrend, hann, kind_of_motion, periodogram
 
 _SAME_INPUT = 0.02  # RMS of a difference over that of the input
 _MOTION_AT_REST = 0.002  # of the input's range
