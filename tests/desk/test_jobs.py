@@ -5,7 +5,6 @@ import signal
 import sys
 import time
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 import typer
@@ -123,15 +122,16 @@ def test_a_worker_ended_by_the_system_is_explained(work, tmp_path):
     assert "ended without an answer" in job.refusal
 
 
-def test_hostile_files_are_refused_with_the_sentence_of_the_command_line(jobs, tmp_path, capsys):
+def test_hostile_files_are_refused_with_the_sentence_of_the_command_line(tmp_path, capsys):
     path = tmp_path / "bad.csv"
     path.write_text("<svg onload=alert(1)>,1\n" * 90, encoding="utf-8")
     assert run(["assess", str(path), "--f", "1"]) == 2
-    job = jobs.start(look_at, path=str(path))
-    until(lambda: job.is_over)
-    output = as_options(job.refusal, typer.main.get_command(application("assess")))
+    with pytest.raises(InputError) as refusal:
+        look_at(path=str(path))
+    sentence = str(refusal.value)
+    output = as_options(sentence, typer.main.get_command(application("assess")))
     assert " ".join(capsys.readouterr().err.split()) == f"Error: {output}"
-    assert Path(path).name in job.refusal
+    assert path.name in sentence
 
 
 def test_tabs_do_not_mix_and_forged_keys_open_nothing():
