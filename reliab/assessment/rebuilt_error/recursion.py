@@ -108,7 +108,7 @@ class Recursion:
             transition=np.ascontiguousarray(exponential[:order, :order]),
             early=np.ascontiguousarray(exponential[:order, order : order + inputs] - late),
             late=np.ascontiguousarray(late),
-            output=np.hstack([rows, np.zeros_like(rows)]),
+            output=np.ascontiguousarray(np.hstack([rows, np.zeros_like(rows)])),  # one layout, one kernel
             feed_through=np.ascontiguousarray(feed_through),
             static=np.vstack([still, viscous @ still - rate_inputs]),
         )
