@@ -50,7 +50,7 @@ from reliab.criterion.ellipse_reading import read_ellipses
 from reliab.report.setting import ReportSetting
 
 COMMAND = typer.main.get_group(cli.application())
-DRAWS = [40, pytest.param(160, marks=pytest.mark.slow)]
+DRAWS = [20, pytest.param(160, marks=pytest.mark.slow)]
 SERVICES: dict[str, Any] = {
     "design": [design_test],
     "simulate": [simulate_suite],
