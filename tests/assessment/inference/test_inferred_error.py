@@ -21,12 +21,16 @@ def record_test(test, *, ground=False, force=None):
     )
 
 
-@pytest.fixture(scope="module")
-def late():
-    ground = earthquake(duration=30.0, time_step=STEP, seed=4)
+def simulate_late(duration):
+    ground = earthquake(duration=duration, time_step=STEP, seed=4)
     return simulate(
         frequency=1.0, damping_ratio=0.03, share=0.8, delay=0.002, ground=ground, time_step=STEP, noise=0.003
     )
+
+
+@pytest.fixture(scope="module")
+def late():
+    return simulate_late(30.0)
 
 
 @pytest.mark.slow
@@ -100,7 +104,8 @@ def test_possible_yielding_leaves_a_bad_test_bad():
     assert reliab.assess(record_test(bad), f=1.0, xi=0.03).verdict == "not_reliable"
 
 
-def test_a_nonlinear_force_with_a_mass_is_learned_by_itself(late):
+def test_a_nonlinear_force_with_a_mass_is_learned_by_itself():
+    late = simulate_late(15.0)
     peak = np.abs(late.measured).max()
     bent = MASS * late.force * (1.0 + 0.5 * (late.measured / peak) ** 2)
     result = reliab.assess(record_test(late, force=bent), f=1.0, xi=0.03, alpha=0.8, mass=MASS)
