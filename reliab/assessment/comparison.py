@@ -148,25 +148,19 @@ def _rank_test(
     rank: int, file: str, assessment: Assessment | FrameAssessment, first: ErrorOfTest, metric: Metric
 ) -> RankedTest:
     error = assessment.error
-    estimate = error.estimate(metric)
-    if error is first:
-        return RankedTest(
-            rank=rank,
-            file=file,
-            assessment=assessment,
-            error=estimate,
-            difference=None,
-            probability_larger=None,
-        )
-    differences, weights = subtract_errors(error, first, metric)
-    low, middle, high = weighted_quantiles(differences, weights, ENDS[0], _EVEN, ENDS[1])
+    difference = probability = None
+    if error is not first:
+        differences, weights = subtract_errors(error, first, metric)
+        low, middle, high = weighted_quantiles(differences, weights, ENDS[0], _EVEN, ENDS[1])
+        difference = Estimate(value=middle, low=low, high=high)
+        probability = _probability_larger(differences, weights)
     return RankedTest(
         rank=rank,
         file=file,
         assessment=assessment,
-        error=estimate,
-        difference=Estimate(value=middle, low=low, high=high),
-        probability_larger=_probability_larger(differences, weights),
+        error=error.estimate(metric),
+        difference=difference,
+        probability_larger=probability,
     )
 
 

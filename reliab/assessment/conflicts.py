@@ -159,24 +159,23 @@ def identify_structure(shown: Sequence[TestPosterior], structure: Structure, mis
     """Put what the channels show of the structure into an identification, from the first that shows it."""
     feedback_lag = shown[0].circumstances.feedback_lag
 
-    def identify_parameter(name: str, stated_value: float, size: float) -> IdentifiedParameter | None:
-        posterior = next((posterior for posterior in shown if name in posterior.means), None)
-        if posterior is None:
+    def identify(name: str, stated: float, size: float) -> IdentifiedParameter | None:
+        found = next((posterior for posterior in shown if name in posterior.means), None)
+        if found is None:
             return None
-        value = stated_value + size * posterior.means[name]
-        return IdentifiedParameter(
-            value=value, deviation=size * posterior.deviations[name], stated=stated_value
-        )
+        value = stated + size * found.means[name]
+        return IdentifiedParameter(value=value, deviation=size * found.deviations[name], stated=stated)
+
+    def exact(stated: float) -> IdentifiedParameter:
+        return IdentifiedParameter(value=stated, deviation=0.0, stated=stated)
 
     f, ratio = structure.frequency, structure.damping_ratio
     share = structure.experimental_fraction
     return Identification(
-        frequency=identify_parameter("frequency", f, f)
-        or IdentifiedParameter(value=f, deviation=0.0, stated=f),
-        damping_ratio=identify_parameter("damping_ratio", ratio, ratio)
-        or IdentifiedParameter(value=ratio, deviation=0.0, stated=ratio),
-        experimental_fraction=identify_parameter("experimental_fraction", share, share),
-        feedback_lag=identify_parameter("feedback_lag", feedback_lag, 1.0),
+        frequency=identify("frequency", f, f) or exact(f),
+        damping_ratio=identify("damping_ratio", ratio, ratio) or exact(ratio),
+        experimental_fraction=identify("experimental_fraction", share, share),
+        feedback_lag=identify("feedback_lag", feedback_lag, 1.0),
         misfit=misfit,
     )
 

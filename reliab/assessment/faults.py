@@ -115,20 +115,18 @@ def faults_of_channel(
     *,
     threshold: float,
     experimental_fraction: float,
-    window: str = "hann",
     seed: int = 0,
 ) -> tuple[tuple[Fault, ...], TrackingIndex]:
     """Look for faults of a recording beside the gain and delay that it shows without spikes.
 
     Where the command's mean is the answer of the loop to an offset of the sensor, that is its zero.
-    `threshold`, `experimental_fraction` [-]; `window` of the spectra. Returns the faults, and how the
+    `threshold`, `experimental_fraction` [-]. Returns the faults, and how the
     recording tracked but for its spikes.
     """
     look = partial(
         _faults_about,
         threshold=threshold,
         experimental_fraction=experimental_fraction,
-        window=window,
         seed=seed,
     )
     faults_as_recorded = look(recording)
@@ -147,12 +145,11 @@ def _faults_about(
     *,
     threshold: float,
     experimental_fraction: float,
-    window: str,
     seed: int,
 ) -> tuple[tuple[Fault, ...], TrackingIndex]:
     """Look for faults of a recording from which another zero was taken, if it was moved."""
     clean, *spike_masks = remove_spikes(recording)
-    tracking = track(clean, window=window, seed=seed)
+    tracking = track(clean, seed=seed)
     prediction = _read_late(clean.command, tracking.amplitude, tracking.delay, clean.time_step)
     faults = (
         *_spikes(recording, clean, *spike_masks),

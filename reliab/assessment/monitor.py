@@ -244,7 +244,7 @@ class Monitor(RunningTest):
     @property
     def displacements(self) -> Mapping[str, Now]:
         """What is known of each interface displacement at the last sample, by name."""
-        errors = map(self._now, self._running.sums)
+        errors = [self._now(sums.latest, sums.rms, sums.mte) for sums in self._running.sums]
         return MappingProxyType(dict(zip(self._partition.names, errors, strict=True)))
 
     @property
@@ -341,15 +341,9 @@ class MeasuredMonitor(RunningTest):
     def now(self) -> Now:
         """What is known at the last sample, errors as they were last computed."""
         last = self._known
-        return Now(
-            samples=self.samples,
-            time=(self.samples - 1) * self.time_step,
-            error=None if last is None else float(last.displacements[0].error[-1]),
-            rms=None if last is None else last.rms.value,
-            mte=None if last is None else last.mte.value,
-            damping=self._energy.net,
-            near_instability=self._energy.near_instability,
-        )
+        if last is None:
+            return self._now(None, None, None)
+        return self._now(float(last.displacements[0].error[-1]), last.rms.value, last.mte.value)
 
     def _calm(self, name: str) -> float:  # noqa: ARG002 - of the only displacement
         if self._known is None:

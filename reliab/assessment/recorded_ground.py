@@ -12,8 +12,8 @@ from typing import Final, TypeVar
 import numpy as np
 
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
-from reliab.assessment.inference.evidence import interface_forces, main_frequency
-from reliab.assessment.inference.structure_response import respond
+from reliab.assessment.inference.evidence import main_frequency
+from reliab.assessment.inference.structure_response import interface_forces, respond
 from reliab.assessment.recorded_force import SmoothingKernel, other_unit_of_force, unit_like
 from reliab.assessment.verdict import Contradiction
 from reliab.core.arrays import Array, Spectrum

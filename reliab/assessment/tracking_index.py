@@ -53,6 +53,7 @@ LEVEL = 0.95
 """Level of the intervals of A and d, and of what follows from them."""
 
 _REFINEMENTS = 3
+_WINDOW = "hann"  # of the spectra
 
 _CELLS = 1024  # stretches whose contributions are summed before blocks are formed
 _RUN = 5  # lags that must be quiet
@@ -177,7 +178,7 @@ class TrackingIndex:
         return a_spread, d_spread
 
 
-def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed: int = 0) -> TrackingIndex:
+def track(recording: Recording, *, draws: int = 2000, seed: int = 0) -> TrackingIndex:
     """Evaluate how a test tracked its command.
 
     >>> time = np.arange(0.0, 40.0, 1.0 / 256.0)
@@ -191,7 +192,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
         recording, command=_remove_mean(recording.command), measured=_remove_mean(recording.measured)
     )
     band, step = filter_to_band(recording), recording.time_step
-    command_spectrum = CommandSpectrum(command=band.command, time_step=step, window=window)
+    command_spectrum = CommandSpectrum(command=band.command, time_step=step, window=_WINDOW)
     plain = _subtract_noise(command_spectrum.evaluate(band.measured), band, step)
     path = CubicPath.interpolate(np.arange(band.command.size) * step, band.command)
     gain, delay = plain.amplitude, plain.equivalent_delay
@@ -201,9 +202,7 @@ def track(recording: Recording, *, window: str = "hann", draws: int = 2000, seed
         delay += plain.equivalent_delay - reference.equivalent_delay
     residual = band.measured - _scale_and_delay(path, gain, delay)
     turn = 2.0 * np.pi * plain.equivalent_frequency
-    error = index_errors(band.command, residual, window=window, draws=draws, seed=seed) / (
-        gain * np.exp(-1j * turn * delay)
-    )
+    error = index_errors(band.command, residual, draws=draws, seed=seed) / (gain * np.exp(-1j * turn * delay))
     full = CubicPath.interpolate(np.arange(recording.command.size) * step, recording.command)
     noise = recording.measured - _scale_and_delay(full, gain, delay)
     return TrackingIndex(
@@ -252,7 +251,7 @@ def _unexplained_share(residual: Array, noise: Array, band: Band) -> float:
 
 
 def index_errors(
-    command: Array, residual: Array, *, window: str = "hann", draws: int = 2000, seed: int = 0
+    command: Array, residual: Array, *, draws: int = 2000, seed: int = 0
 ) -> NDArray[np.complex128]:
     """Draw errors of FEI that noise may have caused.
 
@@ -264,7 +263,7 @@ def index_errors(
     >>> round(float(found.real.std()), 4)  # 0.01 √(2 · 1.94 / 4000)
     0.0003
     """
-    contribution, energy = _contributions(command, residual, window)
+    contribution, energy = _contributions(command, residual)
     blocks, leverage = _blocks(contribution, energy)
     rng = np.random.default_rng(seed)
     parts = np.ascontiguousarray(blocks / (1.0 - leverage)).view(np.float64).reshape(-1, 2)
@@ -274,9 +273,9 @@ def index_errors(
     return np.asarray(tails * (sums[:, 0] + 1j * sums[:, 1]), dtype=np.complex128)
 
 
-def _contributions(command: Array, residual: Array, window: str) -> tuple[NDArray[np.complex128], Array]:
+def _contributions(command: Array, residual: Array) -> tuple[NDArray[np.complex128], Array]:
     """Sum of a stretch's part in Σ F[left] F[I]* / Σ|F[I]|², and its share in the command's energy."""
-    weights = taper(window, command.size)
+    weights = taper(_WINDOW, command.size)
     points = 1 << (command.size - 1).bit_length()
     spectrum = np.fft.fft(command * weights, points)
     spectrum[0], spectrum[points // 2 :] = 0.0, 0.0
@@ -381,15 +380,13 @@ def _range(values: NDArray[np.float64], deviations: NDArray[np.float64]) -> floa
     return max(float(high.max() - low.min()), 0.0)
 
 
-def track_windows(recording: Recording, index_of_test: TrackingIndex, *, window: str = "hann") -> Windows:
+def track_windows(recording: Recording, index_of_test: TrackingIndex) -> Windows:
     """Evaluate A and d in windows that overlap by half."""
     begins, size = _cuts(recording, index_of_test.plain.equivalent_frequency)
     energies = [float(np.var(recording.command[begin : begin + size])) for begin in begins]
     rows = []
     for begin, energy in zip(begins, energies, strict=True):
-        window_index = (
-            None if energy < _QUIET * max(energies) else _track_window(recording, begin, size, window)
-        )
+        window_index = None if energy < _QUIET * max(energies) else _track_window(recording, begin, size)
         if window_index is not None:
             centre = (begin + 0.5 * size) * recording.time_step
             rows.append((centre, window_index.amplitude, window_index.delay, *window_index.spread))
@@ -408,7 +405,7 @@ def _cuts(recording: Recording, frequency: float) -> tuple[list[int], int]:
     return np.linspace(0, total - size, count).astype(int).tolist(), size
 
 
-def _track_window(recording: Recording, begin: int, size: int, window: str) -> TrackingIndex | None:
+def _track_window(recording: Recording, begin: int, size: int) -> TrackingIndex | None:
     """Index of one window; None where it has none, as where nothing moves."""
     stretch = slice(begin, begin + size)
     try:
@@ -417,6 +414,6 @@ def _track_window(recording: Recording, begin: int, size: int, window: str) -> T
             measured=recording.measured[stretch],
             time_step=recording.time_step,
         )
-        return track(part, window=window, draws=_DRAWS)
+        return track(part, draws=_DRAWS)
     except ReliabError:
         return None

@@ -118,16 +118,16 @@ def _likely(probability: float) -> str:
     return f"{percent(probability, decimals=0)} likely"
 
 
-def probability_text(probability: float, *, bound: float = _ALMOST_CERTAIN) -> str:
+def probability_text(probability: float) -> str:
     """Write a probability, without claiming more than 0.99.
 
     >>> probability_text(0.784), probability_text(0.9995), probability_text(0.0001)
     ('0.78', '> 0.99', '< 0.01')
     """
-    if probability > bound:
-        return f"> {bound:g}"
-    if probability < 1.0 - bound:
-        return f"< {significant(1.0 - bound, 2)}"
+    if probability > _ALMOST_CERTAIN:
+        return f"> {_ALMOST_CERTAIN:g}"
+    if probability < 1.0 - _ALMOST_CERTAIN:
+        return f"< {significant(1.0 - _ALMOST_CERTAIN, 2)}"
     return f"{probability:.2f}"
 
 

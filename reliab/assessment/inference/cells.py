@@ -19,17 +19,17 @@ _FAR = 4.0  # standard deviations of the mean power of a block of noise
 _LEAST = 1e-14  # of the mean power
 
 
-def smooth_over_frequency(power: Array, width: float = _OCTAVE) -> Array:
+def smooth_over_frequency(power: Array) -> Array:
     """Average powers over neighbouring frequencies, shape (…, k), about half an octave to each side."""
     place = np.log2(np.arange(power.shape[-1]) + 1.5)
-    weight = np.exp(-0.5 * ((place[:, np.newaxis] - place) / width) ** 2)
+    weight = np.exp(-0.5 * ((place[:, np.newaxis] - place) / _OCTAVE) ** 2)
     return np.asarray(power @ (weight / weight.sum(axis=1, keepdims=True)).T)
 
 
-def smooth_over_time(power: Array, width: float = _BLOCKS) -> Array:
+def smooth_over_time(power: Array) -> Array:
     """Average powers over neighbouring blocks, shape (J,)."""
-    reach = int(4.0 * width)
-    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    reach = int(4.0 * _BLOCKS)
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _BLOCKS) ** 2)
     total = np.convolve(power, weight)[reach : reach + power.size]
     return np.asarray(total / np.convolve(np.ones(power.size), weight)[reach : reach + power.size])
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from reliab.assessment.inference.cells import fit_excess, fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.structure_response import respond
+from reliab.assessment.inference.structure_response import interface_forces, respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
@@ -247,13 +247,6 @@ def residual(
     if experiment.slip is not None:
         acting = acting + interface_forces(response.impedance, experiment.slip)
     return np.asarray(interface_forces(response.stiffness, driven) - acting)
-
-
-def interface_forces(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
-    """Return the forces [N] of displacements at the interface [m], each shape (p, K)."""
-    if impedance.shape[-1] == 1:
-        return np.asarray(impedance[:, 0].T * displacement)
-    return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)
 
 
 @dataclass(kw_only=True, eq=False)

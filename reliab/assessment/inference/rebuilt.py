@@ -20,7 +20,7 @@ import numpy as np
 from reliab.assessment.inference.band import AnalysisBand
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.structure_response import StructureResponse, respond
+from reliab.assessment.inference.structure_response import StructureResponse, interface_forces, respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
@@ -45,7 +45,7 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     response = respond(structure, channels.band)
     displacement = experiment.displacement(channels)
     difference = channels.interface_command - experiment.late(displacement, channels)
-    error = _interface_motion(response, difference)
+    error = interface_forces(response.compliance, interface_forces(response.impedance, difference))
     if experiment.initial_displacement or experiment.initial_velocity:
         error = error + channels.band.from_laplace(_free_vibration(structure, experiment, channels.band.s))
     standing_part = np.multiply.outer(channels.standing, channels.constant)
@@ -54,18 +54,11 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     )
 
 
-def _interface_motion(response: StructureResponse, difference: Spectrum) -> Spectrum:
-    """H Z (x_c − x_f), shape (p, K)."""
-    if response.impedance.shape[-1] == 1:
-        return np.asarray(response.compliance[:, 0].T * response.impedance[:, 0].T * difference)
-    structure_motion = response.compliance @ (response.impedance @ difference.T[..., np.newaxis])
-    return np.asarray(structure_motion[..., 0].T)
-
-
 def error_of_command(structure: Partition, band: AnalysisBand, difference: Array) -> Array:
     """Error x_c − x_I [m] that a history of x_c − x_f at the interface [m] causes, both shape (p, n)."""
-    motion = _interface_motion(respond(structure, band), band.spectrum(np.atleast_2d(difference)))
-    return band.full_history(motion)
+    response = respond(structure, band)
+    forces = interface_forces(response.impedance, band.spectrum(np.atleast_2d(difference)))
+    return band.full_history(interface_forces(response.compliance, forces))
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:

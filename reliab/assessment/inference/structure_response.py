@@ -73,6 +73,13 @@ def respond(partition: Partition, frequencies: Frequencies) -> StructureResponse
     )
 
 
+def interface_forces(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
+    """Return forces [N] of displacements at the interface [m], or these of forces, each shape (p, K)."""
+    if impedance.shape[-1] == 1:
+        return np.asarray(impedance[:, 0].T * displacement)
+    return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)
+
+
 def _respond_by_poles(structure: Partition, s: Spectrum, outputs: Array, inputs: Array) -> Spectrum:
     """Return outputs (M s² + C s + K)⁻¹ inputs, shape (K, outputs, inputs)."""
     size = structure.size

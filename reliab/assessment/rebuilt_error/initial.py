@@ -13,7 +13,6 @@ motion the initial error is unknown, and the interval includes it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import Enum, auto
 
 import numpy as np
 
@@ -39,14 +38,6 @@ FEWEST_SAMPLES = 64
 """Smallest number of samples from which an error is rebuilt."""
 
 _FEWEST_PER_PERIOD = 10.0
-
-
-class _Answer(Enum):
-    """Whether the loop felt an offset."""
-
-    FELT = auto()
-    NOT_FELT = auto()
-    OPEN = auto()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,10 +98,10 @@ def examine_start(
     smallest = max(motion, _STILL * peak)
     if answer > SIGNIFICANT_OFFSET * smallest:  # a structure that felt it would not have stood still
         return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=deviation)
-    loop_response = _loop_response(command, measured_displacement, offset, share)
-    if loop_response is _Answer.FELT:
+    is_felt = _loop_felt(command, measured_displacement, offset, share)
+    if is_felt:
         return Start(at_rest=True, amplitude=0.0, offset=0.0, offset_deviation=deviation)
-    open_offset = deviation if loop_response is _Answer.NOT_FELT else float(np.hypot(deviation, offset))
+    open_offset = deviation if is_felt is False else float(np.hypot(deviation, offset))
     return Start(at_rest=True, amplitude=0.0, offset=offset, offset_deviation=open_offset)
 
 
@@ -131,7 +122,7 @@ def _start_in_motion(
 ) -> Start:
     """Return the beginning of a test that is moving already; `mean_deviation` of a mean [m]."""
     constant = _constant(command, measured_displacement, time_step)
-    is_felt = _loop_response(command, measured_displacement, constant, share) is _Answer.FELT
+    is_felt = _loop_felt(command, measured_displacement, constant, share)
     return Start(
         at_rest=False,
         amplitude=amplitude,
@@ -156,8 +147,8 @@ def _constant(command: Array, measured_displacement: Array, time_step: float) ->
     return float(coefficients[2])
 
 
-def _loop_response(command: Array, measured_displacement: Array, offset: float, share: float) -> _Answer:
-    """Whether the loop felt an offset, by the place about which the command moved.
+def _loop_felt(command: Array, measured_displacement: Array, offset: float, share: float) -> bool | None:
+    """Whether the loop felt an offset, by the place about which the command moved; None where that is open.
 
     The tapered mean of x_c + share (x_m − x_c) is zero where the offset acted in the loop, and share times
     the offset where it did not, apart from slow ground motion, whose size is estimated from neighbouring bins
@@ -169,8 +160,8 @@ def _loop_response(command: Array, measured_displacement: Array, offset: float, 
     mean = float(spectrum[0].real)
     ratio = 0.5 * ((mean - share * offset) ** 2 - mean**2)
     if abs(ratio) <= _CONCLUSIVE * power:
-        return _Answer.OPEN
-    return _Answer.FELT if ratio > 0.0 else _Answer.NOT_FELT
+        return None
+    return ratio > 0.0
 
 
 def check_histories(

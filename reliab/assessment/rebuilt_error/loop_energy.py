@@ -225,41 +225,36 @@ class EnergyAlarm:
         return bool(diverges and net.high + net.damping_loss(self.smallest) < 0.0)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ForgettingSums:
-    """Forgetting sums of a mode's motion."""
+def net_damping(mode: WatchedMode, moments: Array, totals: Array, modes: int) -> NetDamping | None:
+    """Return the net damping in one of so many watched modes; None before enough motion.
 
-    moments: Array  # Products of x_c, x_c' and x_m − x_c in the band, and of their steps, shape (2, 3, 3)
-    weight: float  # Sum of the weights, a number of samples
-    moved: float  # Samples that moved
-    power: float  # Largest sum of x_c'² so far [m²/s²]
-
-
-def net_damping(mode: WatchedMode, sums: ForgettingSums, modes: int) -> NetDamping | None:
-    """Return the net damping in one of so many watched modes; None before enough motion."""
-    power = float(sums.moments[0, 1, 1])
-    if sums.moved < SETTLING * mode.samples or not power > 0.0:
+    `moments`: forgetting sums of products of x_c, x_c' and x_m − x_c in the band, and of their steps, shape
+    (2, 3, 3); `totals`: sum of the weights, samples that moved, and largest sum of x_c'² so far [m²/s²].
+    """
+    power = float(moments[0, 1, 1])
+    weight, moved, largest_power = totals.tolist()
+    if moved < SETTLING * mode.samples or not power > 0.0:
         return None
-    scale = np.sqrt(np.maximum(np.diag(sums.moments[0]), np.finfo(float).tiny))
-    joint, steps = sums.moments / np.outer(scale, scale)
+    scale = np.sqrt(np.maximum(np.diag(moments[0]), np.finfo(float).tiny))
+    joint, steps = moments / np.outer(scale, scale)
     inverse = _inverse(float(joint[0, 1]))
     residual = np.append(-inverse @ joint[:2, 2], 1.0)
     residual_power = max(float(residual @ joint @ residual), 0.0)
     rough = min(float(residual @ steps @ residual) / residual_power, _WHITE) if residual_power > 0.0 else 0.0
-    independent = max(sums.weight * max(rough / (4.0 - rough), INDEPENDENT_SAMPLES / mode.samples), 1.0)
+    independent = max(weight * max(rough / (4.0 - rough), INDEPENDENT_SAMPLES / mode.samples), 1.0)
     chance = np.sqrt(inverse[0, 0] * residual_power / independent)
     units = scale[2] / scale[:2]
     ratio, deviation = _pole(mode, -residual[:2] * units, chance * units)
-    window = np.ceil(sums.moved / (MEMORY * mode.samples))
+    window = np.ceil(moved / (MEMORY * mode.samples))
     quantile = -float(scipy.special.ndtri(FALSE_ALARMS / modes / (window * (window + 1.0))))
-    amplitude = float(np.sqrt(2.0 / sums.weight) * scale[0])
+    amplitude = float(np.sqrt(2.0 / weight) * scale[0])
     high = ratio + quantile * deviation + _LARGEST_SKEW * mode.skew_deviation
     deviation = float(np.hypot(deviation, mode.skew_deviation))
     return NetDamping(
         ratio=ratio,
         deviation=deviation,
         high=high,
-        large=power > LARGE_MOTION * sums.power,
+        large=power > LARGE_MOTION * largest_power,
         known=bool(quantile * chance * units[0] < LARGEST_UNCERTAINTY),
         follows=_follows(scale, residual, quantile * chance),
         play=_play(float(units[0] * np.sqrt(max(1.0 - joint[0, 2] ** 2, 0.0))), amplitude),
@@ -378,12 +373,7 @@ class _Motion:
     @property
     def net(self) -> NetDamping | None:
         """Net damping at the last sample."""
-        weight, moving_samples, power = self.totals
-        return net_damping(
-            self.mode,
-            ForgettingSums(moments=self._moments, weight=weight, moved=moving_samples, power=power),
-            self._modes,
-        )
+        return net_damping(self.mode, self._moments, self.totals, self._modes)
 
     def feed(self, command: Array, measured_displacement: Array, first: int) -> int | None:
         """Add samples, `first` the number of the first of them; return the one of the alarm."""

@@ -198,14 +198,14 @@ class RunningTest(ABC):
     def now(self) -> Now:
         """What is known at the last sample."""
 
-    def _now(self, sums: RunningSums) -> Now:
+    def _now(self, error: float | None, rms: float | None, mte: float | None) -> Now:
         """Say what is known of one displacement."""
         return Now(
-            samples=sums.size,
-            time=(sums.size - 1) * self.time_step,
-            error=sums.latest,
-            rms=sums.rms,
-            mte=sums.mte,
+            samples=self.samples,
+            time=(self.samples - 1) * self.time_step,
+            error=error,
+            rms=rms,
+            mte=mte,
             damping=self._energy.net,
             near_instability=self._energy.near_instability,
         )

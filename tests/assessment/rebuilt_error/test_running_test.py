@@ -9,7 +9,7 @@ import scipy
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
 from reliab.assessment.rebuild import rebuild
-from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, ForgettingSums, net_damping, select_modes
+from reliab.assessment.rebuilt_error.loop_energy import EnergyAlarm, net_damping, select_modes
 from reliab.core.errors import InputError
 from reliab.core.vocabulary import Metric
 from reliab.structures.partition import Partition
@@ -30,13 +30,16 @@ def sums_of(command, error, *, moving_samples=1000.0, share=1.0):
     weight = MODE.forgetting ** np.arange(command.size - 1, -1, -1)
     steps = np.diff(rows)
     moments = np.stack([(weight * rows) @ rows.T, (weight[1:] * steps) @ steps.T])
-    return ForgettingSums(
-        moments=moments, weight=weight.sum(), moved=moving_samples, power=moments[0, 1, 1] / share
-    )
+    return moments, np.array([weight.sum(), moving_samples, moments[0, 1, 1] / share])
+
+
+def net_of_sums(mode, sums, modes):
+    moments, totals = sums
+    return net_damping(mode, moments, totals, modes)
 
 
 def net_of(error, **options):
-    return net_damping(MODE, sums_of(COMMAND, error, **options), 1)
+    return net_of_sums(MODE, sums_of(COMMAND, error, **options), 1)
 
 
 @pytest.mark.parametrize("slope", [-0.004, 0.003, 0.0])
@@ -76,7 +79,7 @@ def test_more_windows_need_more_standard_errors_and_all_together_are_wrong_once_
     for modes in (1, 3):
         allowed = []
         for window in range(1, 400):
-            net = net_damping(
+            net = net_of_sums(
                 MODE, sums_of(COMMAND, noise, moving_samples=(window - 0.5) * 3.0 * MODE.samples), modes
             )
             allowed.append(scipy.stats.norm.sf((net.high - net.ratio) / net.deviation))
@@ -134,7 +137,7 @@ def test_play_takes_no_more_damping_away_than_is_granted(first, ratio):
         place, piston = 0.0, np.empty(TIME.size)
         for i, x in enumerate(command):
             place = piston[i] = min(max(place, x - half), x + half)
-        return net_damping(MODE, sums_of(command, piston - command), 1)
+        return net_of_sums(MODE, sums_of(command, piston - command), 1)
 
     smallest, net = of_play(first * half).play, of_play(ratio * half)
     assert net.ratio < XI
@@ -145,8 +148,8 @@ def test_damping_waits_for_one_period_of_motion():
     samples = 1.0 / (FREQUENCY * STEP)
     assert net_of(0.01 * COMMAND, moving_samples=samples - 0.5) is None
     assert net_of(0.01 * COMMAND, moving_samples=samples + 0.5) is not None
-    still = ForgettingSums(moments=np.zeros((2, 3, 3)), weight=1.0, moved=1000.0, power=0.0)
-    assert net_damping(MODE, still, 1) is None
+    still = np.zeros((2, 3, 3)), np.array([1.0, 1000.0, 0.0])
+    assert net_of_sums(MODE, still, 1) is None
 
 
 def frame_of(share):
@@ -176,7 +179,7 @@ def test_net_damping_of_a_frame_mode_equals_its_pole(place):
     time = STEP * np.arange(4000)
     command = np.exp(exact.real * (time - time[-1])) * np.sin(exact.imag * time)
     rows = np.stack([command, np.gradient(command, STEP)])
-    result = net_damping(mode, sums_of(command, a * rows[0] + b * rows[1]), 2)
+    result = net_of_sums(mode, sums_of(command, a * rows[0] + b * rows[1]), 2)
     assert result.ratio == pytest.approx(-exact.real / mode.circular_frequency, rel=1e-3, abs=1e-5)
 
 
@@ -333,5 +336,5 @@ def test_unknown_skew_is_no_gain_of_energy():
     for late, alarms in ((0.0, False), (skew, False), (5.0 * skew, True)):
         delay = 2.0 * 0.95 * XI / (SHARE * W0) + late  # five per cent before instability
         sums = sums_of(COMMAND, -delay * velocity)
-        assert bool(net_damping(MODE, sums, 1).high < 0.0) is (late > 0.0)
-        assert bool(net_damping(uncertain, sums, 1).high < 0.0) is alarms
+        assert bool(net_of_sums(MODE, sums, 1).high < 0.0) is (late > 0.0)
+        assert bool(net_of_sums(uncertain, sums, 1).high < 0.0) is alarms

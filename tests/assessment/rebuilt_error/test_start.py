@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from reliab.assessment.rebuilt_error.initial import (
-    _Answer,
-    _loop_response,
+    _loop_felt,
     _stands,
     check_histories,
     examine_start,
@@ -69,10 +68,10 @@ def test_an_offset_in_the_loop_is_an_error_and_nothing_is_taken_away():
     size, offset = 8192, 2e-4
     taper = np.minimum(STEP * np.arange(size), 1.0)
     command = vibrating(10, size) - SHARE * offset * (1.0 - np.cos(np.pi * taper)) / 2.0
-    assert _loop_response(command, command + offset, offset, SHARE) is _Answer.FELT
+    assert _loop_felt(command, command + offset, offset, SHARE) is True
     assert examine(command, command + offset).offset == 0.0
     unmoved = vibrating(10, size)
-    assert _loop_response(unmoved, unmoved + offset, offset, SHARE) is _Answer.NOT_FELT
+    assert _loop_felt(unmoved, unmoved + offset, offset, SHARE) is False
     start = examine(unmoved, unmoved + offset)
     assert start.offset == pytest.approx(offset, rel=1e-6)
     assert start.offset_deviation < 0.1 * offset
@@ -87,7 +86,7 @@ def test_undecidable_offset_stays_open():
         * np.minimum(np.arange(size) / 500, 1.0) ** 2
     )
     command = vibrating(10, size) + drift
-    assert _loop_response(command, command + offset, offset, SHARE) is _Answer.OPEN
+    assert _loop_felt(command, command + offset, offset, SHARE) is None
     start = examine(command, command + offset)
     assert start.offset == pytest.approx(offset, rel=1e-3)
     assert start.offset_deviation == pytest.approx(np.hypot(offset, SLOW), rel=0.01)
