@@ -26,7 +26,7 @@ from reliab.assessment.faults import (
 )
 from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import QUANTITIES
-from reliab.assessment.judged_test import JudgedError
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import place, place_by_response, scope_of_test
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
 from reliab.assessment.recorded_force import require_stated_forces
@@ -179,10 +179,7 @@ def assess(
         from reliab.assessment.frame_test import conclude_frame
 
         assessment = conclude_frame(judged)
-    judged = replace(judged, stability_margin=assessment.stability_margin)
-    if isinstance(assessment, Assessment):
-        judged = replace(judged, placement=assessment.placement)
-    return assessment.add_doubts(doubt for check in CHECKS for doubt in check(judged))
+    return assessment.add_doubts(doubt for check in CHECKS for doubt in check(assessment))
 
 
 def _set_force_aside(
@@ -264,7 +261,7 @@ def _judge(
     motion: "Motion | None",
     *,
     has_damping: bool,
-) -> JudgedError:
+) -> JudgedTest:
     """Judge a test by its error, and examine what its recording shows of the structure.
 
     `known_faults`: those of its force; `has_damping`: whether a damping ratio was stated.
@@ -282,7 +279,7 @@ def _judge(
     if (posterior := error.posterior) is not None:
         structure = question.structure
         equation = compare_with_stated(posterior, structure, error.ground, asked.stated, nonlinear=nonlinear)
-    return JudgedError(
+    return JudgedTest(
         recording=recording,
         sound=sound,
         question=question,
@@ -290,38 +287,30 @@ def _judge(
         motion=motion,
         tracking=tracking,
         error=error,
-        effects=effects,
+        faults=effects,
         equation=equation,
         turning=examine_turning(error, recording, question),
         column_doubts=() if tracking is None else tuple(doubts_of_columns(recording, tracking)),
-        verdict=verdict_of_error(error),
+        judgement=verdict_of_error(error),
     )
 
 
-def _conclude_mass(judged: JudgedError, assumed: tuple[str, ...]) -> Assessment:
+def _conclude_mass(judged: JudgedTest, assumed: tuple[str, ...]) -> Assessment:
     """Place a test of one mass in the (A, d) plane, and put together what was found."""
-    sound, error, tracking = judged.sound, judged.error, judged.tracking
-    question, criterion = judged.question, judged.criterion
+    sound, error, question, tracking = judged.sound, judged.error, judged.question, judged.tracking
+    criterion, structure = judged.criterion, judged.question.structure
     if tracking is None or criterion is None:
         raise AssertionError  # one mass has one actuator
-    structure, reference = question.structure, error.reference
+    if judged.motion is not None:
+        judged = replace(judged, placement=_place_test(judged.motion, sound, tracking, error, question))
     return Assessment(
-        **judged.common,
-        structure=structure,
-        stated=question.stated,
-        criterion=criterion,
-        tracking=tracking,
+        **vars(judged),
         measures=measure_tracking(sound),
         windows=track_windows(sound, tracking),
         population=place(criterion, structure, tracking.amplitude, tracking.delay, tracking.draws),
-        scope=scope_of_test(criterion, sound, structure, reference),
-        by_response=place_by_response(sound, question, reference, criterion, tracking),
-        placement=None
-        if judged.motion is None
-        else _place_test(judged.motion, sound, tracking, error, question),
-        equation=judged.equation,
+        scope=scope_of_test(criterion, sound, structure, error.reference),
+        by_response=place_by_response(sound, question, error.reference, criterion, tracking),
         assumed=assumed,
-        column_doubts=judged.column_doubts,
     )
 
 
@@ -347,7 +336,7 @@ def _estimate_mass(recording: Recording, question: Question) -> Question:
 
 
 def _adopt_identified_values(
-    judged: JudgedError, assumed: tuple[str, ...], *, is_mass_open: bool
+    judged: JudgedTest, assumed: tuple[str, ...], *, is_mass_open: bool
 ) -> tuple[Question, tuple[str, ...]]:
     """Adopt the damping ratio and the mass that were identified where nobody stated them, and say so.
 

@@ -3,30 +3,24 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
-from reliab.assessment.conflicts import OwnEquation
-from reliab.assessment.error_of_test import ErrorOfTest
 from reliab.assessment.faults import FaultEffect
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import LARGEST_PROBABILITY, Placement, ScopeOfTest, reasons_without_promise
 from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force, remark_on_force
 from reliab.assessment.tracking_index import LEVEL, TrackingIndex, TrackingMeasures, Windows
-from reliab.assessment.verdict import Contradiction, Verdict, Word, verdict_by_index
+from reliab.assessment.verdict import Verdict, Word, verdict_by_index
 from reliab.core.plain_values import Keys, same_names
 from reliab.core.significant_digits import percent, share_in_words, significant
 from reliab.core.stated_value import StatedValue
 from reliab.core.vocabulary import ERROR_NAMES, MILLI, Metric, Side
 from reliab.criterion.criterion import Criterion
 from reliab.criterion.experimental_share import whole_is_worst
-from reliab.recordings.recording import Recording
 from reliab.structures.structure import Structure, critical_delay, stability_margin
-
-if TYPE_CHECKING:
-    from reliab.assessment.own_motion import OwnPlacement
 
 _IDENTIFIED: Final = ("frequency", "damping_ratio", "experimental_fraction", "feedback_lag", "misfit")
 _PLACEMENT: Final = same_names("a", "b", "index", "index_interval")
@@ -200,10 +194,6 @@ class Assessment(JudgedTest):
     interval_level = LEVEL
     largest_probability = LARGEST_PROBABILITY
 
-    recording: Recording
-    structure: Structure  # The structure under test
-    # Frequency "f", damping ratio "xi", share "alpha" and sensor "scale" with their tolerances
-    stated: Mapping[str, StatedValue]
     criterion: Criterion  # The criterion
     tracking: TrackingIndex  # A and d with their uncertainty
     measures: TrackingMeasures  # Established measures of tracking
@@ -212,11 +202,17 @@ class Assessment(JudgedTest):
     scope: ScopeOfTest  # The test compared with the motions behind the criterion
     # The test against the motions that ship, carried to its own response; None where they cannot be
     by_response: Placement | None
-    placement: "OwnPlacement | None"  # The test against its own ground motion's boundary, where that is known
-    error: ErrorOfTest
-    equation: OwnEquation  # What the test's equation of motion shows about the structure
     assumed: tuple[str, ...] = ()  # What was not stated and had to be assumed, in sentences
-    column_doubts: tuple[Contradiction, ...] = ()  # Why command and measured displacement may be swapped
+
+    @property
+    def structure(self) -> Structure:
+        """The structure under test."""
+        return self.question.structure
+
+    @property
+    def stated(self) -> Mapping[str, StatedValue]:
+        """What is stated of structure and channels, by the names of the options."""
+        return self.question.stated
 
     @property
     def _placed(self) -> Placement:

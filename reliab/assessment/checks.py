@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from reliab.assessment.conflicts import FAR
 from reliab.assessment.error_of_test import ErrorOfTest, error_of_test
 from reliab.assessment.inference.posterior import favours_frequency
-from reliab.assessment.judged_test import JudgedError
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.rebuilt_error.spread import Estimate
 from reliab.assessment.tracking_index import TrackingIndex, is_noisier, power_of
 from reliab.assessment.verdict import (
@@ -84,7 +84,7 @@ def verdict_of_error(error: ErrorOfTest) -> Verdict:
     )
 
 
-def check_frequency(test: JudgedError) -> Iterator[Doubt]:
+def check_frequency(test: JudgedTest) -> Iterator[Doubt]:
     """Compare the frequency of the motion with those of the structure.
 
     A command that moves mainly elsewhere and shows no resonance at a natural frequency belongs to another
@@ -134,7 +134,7 @@ def _mean(values: NDArray[np.float64]) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
-def check_stability(test: JudgedError) -> Iterator[Doubt]:
+def check_stability(test: JudgedTest) -> Iterator[Doubt]:
     """Compare the delay with the critical one."""
     if test.stability_margin is None or test.stability_margin <= 0.0:
         yield Contradiction(
@@ -144,7 +144,7 @@ def check_stability(test: JudgedError) -> Iterator[Doubt]:
         )
 
 
-def check_motion(test: JudgedError) -> Iterator[Doubt]:
+def check_motion(test: JudgedTest) -> Iterator[Doubt]:
     """Look for the test in the record of its stated ground motion."""
     placement = test.placement
     if placement is not None and not placement.alignment.matched:
@@ -157,12 +157,12 @@ def check_motion(test: JudgedError) -> Iterator[Doubt]:
         )
 
 
-def check_stated_values(test: JudgedError) -> Iterator[Doubt]:
+def check_stated_values(test: JudgedTest) -> Iterator[Doubt]:
     """Compare what is stated of the structure and of the channels with what the channels show."""
     yield from test.equation.doubts
 
 
-def check_specimen(test: JudgedError) -> Iterator[Doubt]:
+def check_specimen(test: JudgedTest) -> Iterator[Doubt]:
     """See how well a recorded force shows what the specimen does."""
     specimen = test.error.specimen
     if specimen is None:
@@ -194,7 +194,7 @@ def check_specimen(test: JudgedError) -> Iterator[Doubt]:
         )
 
 
-def check_columns(test: JudgedError) -> Iterator[Doubt]:
+def check_columns(test: JudgedTest) -> Iterator[Doubt]:
     """See whether the verdict would be another one if columns that may be swapped are."""
     sound, error = test.sound, test.error
     if not test.column_doubts:
@@ -228,18 +228,18 @@ def doubts_of_columns(recording: Recording, tracking: TrackingIndex) -> Iterator
         )
 
 
-def check_linearity(test: JudgedError) -> Iterator[Doubt]:
+def check_linearity(test: JudgedTest) -> Iterator[Doubt]:
     """See whether an unrecorded force may be that of a specimen that yielded or hardened."""
-    yield from test.turning.doubts(test.verdict, test.error.probability)
+    yield from test.turning.doubts(test.judgement, test.error.probability)
 
 
-def check_rest(test: JudgedError) -> Iterator[Doubt]:
+def check_rest(test: JudgedTest) -> Iterator[Doubt]:
     """See whether a test is reliable only because its recording is long before or after the motion.
 
     RMS^R is the mean over the whole recording, which says little where the structure rests in most of it.
     """
     error, recording = test.error, test.sound
-    if error.metric is not Metric.RMS or test.verdict.word is not Word.RELIABLE:
+    if error.metric is not Metric.RMS or test.judgement.word is not Word.RELIABLE:
         return
     commands = np.abs(np.atleast_2d(recording.command))
     moving = np.flatnonzero((commands > _STILL * commands.max(axis=1, keepdims=True)).any(axis=0))
@@ -259,7 +259,7 @@ def check_rest(test: JudgedError) -> Iterator[Doubt]:
     yield Doubt(finding=reason, remedy=_CUT)
 
 
-def check_matrix_entries(test: JudgedError) -> Iterator[Doubt]:
+def check_matrix_entries(test: JudgedTest) -> Iterator[Doubt]:
     """See whether the error is too large with one of the structures that uncertain entries allow.
 
     The error is largest with the natural frequency that a test near resonance really had. Entries leave it
@@ -269,7 +269,7 @@ def check_matrix_entries(test: JudgedError) -> Iterator[Doubt]:
     is_learned = error.inferred is not None and bool(error.inferred.posterior.evidence)
     if (
         is_learned
-        or test.verdict.word is not Word.RELIABLE
+        or test.judgement.word is not Word.RELIABLE
         or not any(map(is_of_entries, error.rebuilt.inferred.sizes))
     ):
         return
@@ -284,10 +284,10 @@ def check_matrix_entries(test: JudgedError) -> Iterator[Doubt]:
     yield Doubt(finding=reason, remedy=_ENTRIES)
 
 
-def check_faults(test: JudgedError) -> Iterator[Doubt]:
+def check_faults(test: JudgedTest) -> Iterator[Doubt]:
     """See whether the verdict depends on a fault of the recording."""
-    word = test.verdict.word
-    for effect in test.effects:
+    word = test.judgement.word
+    for effect in test.faults:
         fault = effect.fault
         if effect.otherwise is None:
             if word is Word.RELIABLE:
@@ -301,14 +301,14 @@ def check_faults(test: JudgedError) -> Iterator[Doubt]:
             )
 
 
-def check_force(test: JudgedError) -> Iterator[Doubt]:
+def check_force(test: JudgedTest) -> Iterator[Doubt]:
     """See whether the recorded force is that of a linear specimen."""
     if test.equation.nonlinear:
         remedy = _NONLINEAR_OF_SEVERAL if test.recording.has_several else _NONLINEAR
         yield Doubt(finding=test.equation.nonlinear, remedy=remedy, of_structure=True)
 
 
-CHECKS: Final[tuple[Callable[[JudgedError], Iterator[Doubt]], ...]] = (
+CHECKS: Final[tuple[Callable[[JudgedTest], Iterator[Doubt]], ...]] = (
     check_frequency,
     check_stability,
     check_motion,

@@ -13,11 +13,9 @@ from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import Placement, ScopeOfTest, compare_test, reasons_without_promise
 from reliab.assessment.plausibility import warn_of_signal
 from reliab.assessment.recorded_force import doubts_of_force
-from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.verdict import Verdict, verdict_by_index
 from reliab.core.arrays import Array
 from reliab.core.plain_values import Keys, PlainResult, same_names
-from reliab.criterion.criterion import Criterion
 from reliab.simulation.frames.frame_file import FrameUnderTest
 from reliab.structures.critical_delay import StabilityLimit
 from reliab.structures.structure import Structure
@@ -97,19 +95,26 @@ class FrameAssessment(JudgedTest):
         },
     }
 
-    frame: FrameUnderTest  # The frame and its actuators
     responses: ResponseErrors  # Errors of all floors and storeys, as the computer had them in the test
-    mode: Structure  # Frequency, damping ratio and specimen's share of the mode that governs the error
     limit: StabilityLimit  # Where the test would become unstable with the measured gains
     # Whether `limit` is with the measured gains; else they are too uncertain, and exact ones are taken
     limit_of_gains: bool
-    # A and d of an only actuator with their uncertainty, without faults of the recording
-    tracking: TrackingIndex | None
-    # The same over frequency; None where the displacements are hardly coherent
+    # A and d over frequency; None where the displacements are hardly coherent
     over_frequency: TrackingOverFrequency | None = None
     resolved: ErrorPart | None = None  # What that accounts for of the error; None where it is
-    criterion: Criterion | None = None  # A criterion of this frame, where one is given
     population: Placement | None = None  # The test against that criterion
+
+    @property
+    def frame(self) -> FrameUnderTest:
+        """The frame and its actuators."""
+        if self.question.frame is None:
+            raise AssertionError  # it is of frames only
+        return self.question.frame
+
+    @property
+    def mode(self) -> Structure:
+        """Frequency, damping ratio and specimen's share of the mode that governs the error."""
+        return self.question.structure
 
     @property
     def error_of(self) -> str:

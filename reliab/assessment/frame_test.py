@@ -8,7 +8,7 @@ import numpy as np
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.frame_assessment import FrameAssessment
 from reliab.assessment.frame_responses import errors_of_responses
-from reliab.assessment.judged_test import JudgedError
+from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.parts import ErrorPart
 from reliab.assessment.placement import place
 from reliab.core.arrays import Array
@@ -49,10 +49,10 @@ def fit_to_frame(
     return recording, replace(question, stated=stated)
 
 
-def conclude_frame(judged: JudgedError) -> FrameAssessment:
+def conclude_frame(judged: JudgedTest) -> FrameAssessment:
     """Put together what was found about a test of a frame, with its floors and storeys."""
     question, error, tracking, criterion = judged.question, judged.error, judged.tracking, judged.criterion
-    frame, mode = question.frame, question.structure
+    frame = question.frame
     if frame is None:
         raise AssertionError  # one mass is no frame
     carry = frame.to_interface
@@ -62,19 +62,15 @@ def conclude_frame(judged: JudgedError) -> FrameAssessment:
     degrees, is_sure = frame.partition.degrees_of_freedom, question.may_have_yielded(judged.recording)
     ground = error.ground.evidence(judged.recording.ground, is_sure=is_sure)
     return FrameAssessment(
-        **judged.common,
-        frame=frame,
-        mode=mode,
+        **vars(judged),
         responses=errors_of_responses(error, degrees, ground, judged.motion),
         limit=limit,
         limit_of_gains=limit_of_gains,
-        tracking=tracking,
         over_frequency=over_frequency,
         resolved=_part_of_tracking(judged.sound, over_frequency, error),
-        criterion=criterion,
         population=None
         if criterion is None or tracking is None
-        else place(criterion, mode, tracking.amplitude, tracking.delay, tracking.draws),
+        else place(criterion, question.structure, tracking.amplitude, tracking.delay, tracking.draws),
     )
 
 

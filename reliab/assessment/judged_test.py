@@ -34,39 +34,6 @@ _COLUMNS: Final = (
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JudgedError:
-    """A test that was judged by its error, before it is compared with anything but what is stated of it."""
-
-    recording: Recording  # The test
-    sound: Recording  # The same without its faults
-    question: Question
-    criterion: Criterion | None  # The criterion beside which it is shown, if there is one
-    motion: "Motion | None"  # Its ground motion, where it is given
-    tracking: TrackingIndex | None  # A and d with their uncertainty; None where there are several actuators
-    error: ErrorOfTest
-    effects: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
-    equation: OwnEquation  # What the channels show of the structure
-    turning: Turning  # What was not stated and would turn the verdict
-    column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
-    verdict: Verdict  # By the error alone
-    stability_margin: float | None = 1.0  # None where the loop is unstable with any delay
-    placement: "OwnPlacement | None" = (
-        None  # Against the boundary of its own ground motion, where it is given
-    )
-
-    @property
-    def common(self) -> dict[str, Any]:
-        """What every assessment has."""
-        return {
-            "recording": self.recording,
-            "error": self.error,
-            "judgement": self.verdict,
-            "faults": self.effects,
-            "turning": self.turning,
-        }
-
-
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JudgedTest(PlainResult):
     """A test with its error and the verdict on it."""
@@ -85,16 +52,30 @@ class JudgedTest(PlainResult):
     }
 
     recording: Recording  # The test
+    sound: Recording  # The same without its faults
+    question: Question  # What is stated of it, and what was identified where nothing was
+    criterion: Criterion | None  # The criterion beside which it is shown, if there is one
+    motion: "Motion | None"  # Its ground motion, where it is given
+    tracking: TrackingIndex | None  # A and d with their uncertainty; None where there are several actuators
     error: ErrorOfTest  # The error, from the test alone
-    judgement: Verdict  # The verdict with its reasons
     faults: tuple[FaultEffect, ...]  # Faults of the recording and what they do to the error
-    turning: Turning  # What was not stated and would turn it
+    equation: OwnEquation  # What the test's equation of motion shows about the structure
+    turning: Turning  # What was not stated and would turn the verdict
+    column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
+    judgement: Verdict  # The verdict with its reasons, by the error alone before doubts are added
+    # The test against the boundary of its own ground motion, where that is known
+    placement: "OwnPlacement | None" = None
     doubts: tuple[Doubt, ...] = ()  # What leaves the verdict undecided
 
     def add_doubts(self, doubts: Iterable[Doubt]) -> Self:
         """Add what leaves the verdict undecided."""
         found = tuple(doubts)
         return replace(self, doubts=found, judgement=self.judgement.limit(found))
+
+    @property
+    def stability_margin(self) -> float | None:
+        """Stability margin [-]; None where the loop is unstable with any delay."""
+        return 1.0
 
     @property
     def contradictions(self) -> tuple[Contradiction, ...]:

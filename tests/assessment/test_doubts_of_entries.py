@@ -23,7 +23,7 @@ def judged(
         inferred=None if evidence is None else inferred,
         rebuilt=SimpleNamespace(inferred=inferred),
     )
-    return SimpleNamespace(error=error, verdict=SimpleNamespace(word=word))
+    return SimpleNamespace(error=error, judgement=SimpleNamespace(word=word))
 
 
 def test_one_structure_with_too_large_an_error_leaves_the_test_undecided():
