@@ -29,7 +29,7 @@ from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import place, place_by_response, scope_of_test
 from reliab.assessment.plausibility import require_drawable, require_length, require_plausible
-from reliab.assessment.recorded_force import require_stated_forces
+from reliab.assessment.recorded_force import ExaminedForce, require_stated_forces
 from reliab.assessment.recorded_ground import mass_from_ground, require_unit_of_force
 from reliab.assessment.tracking_index import TrackingIndex, measure_tracking, track, track_windows
 from reliab.assessment.turning import examine_turning
@@ -162,7 +162,7 @@ def assess(
     stated_values, question = question.stated, _estimate_mass(recording, question)
     if _shows_nonlinear_specimen(recording, question):
         question = replace(question, measured_specimen=True)
-    _require_judgeable(recording, replace(question, stated=stated_values))
+    examined_force = _require_judgeable(recording, replace(question, stated=stated_values))
     if criterion is None and question.frame is None:
         arguments = question.structure.frequency, question.structure.damping_ratio, threshold, confidence
         criterion = criterion_of_test(*arguments, metric=metric, duration=recording.duration)
@@ -170,7 +170,7 @@ def assess(
     question, assumed = _adopt_identified_values(
         judged, assumed, is_mass_open=len(question.stated) > len(stated_values)
     )
-    judged = replace(judged, question=question)
+    judged = replace(judged, question=question, examined_force=examined_force)
     if question.measured_specimen and not measured_specimen:
         assumed = (*assumed, _LEARNED_NOTE)
     if question.frame is None:
@@ -210,14 +210,15 @@ def _shows_nonlinear_specimen(recording: Recording, question: Question) -> bool:
     return bool(looks_nonlinear(remove_spikes(recording)[0], question.structure))
 
 
-def _require_judgeable(recording: Recording, question: Question) -> None:
-    """Refuse a recording that cannot be that of the test."""
+def _require_judgeable(recording: Recording, question: Question) -> ExaminedForce | None:
+    """Refuse a recording that cannot be that of the test; return its only force as it was examined."""
+    examined = None
     require_length(recording, question.structure.frequency)
     require_drawable(recording, question.full_structure)
     stiffness = question.full_structure.specimen_stiffness
     for number, channel in _moving_channels(recording):
         own_stiffness = float(stiffness[number, number]) if question.has_masses else None
-        require_plausible(channel, stiffness=own_stiffness, linear=question.linear)
+        examined = require_plausible(channel, stiffness=own_stiffness, linear=question.linear)
     if recording.has_several:
         require_stated_forces(recording, question.full_structure, question.to_interface)
     if question.frame is None and question.mass is not None and question.linear:
@@ -226,6 +227,7 @@ def _require_judgeable(recording: Recording, question: Question) -> None:
         )
     for quantity in QUANTITIES:
         quantity.require_possible(quantity.stated_deviation(question.stated))
+    return None if recording.has_several else examined
 
 
 def _moving_channels(recording: Recording) -> Iterator[tuple[int, Recording]]:

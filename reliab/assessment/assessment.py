@@ -421,10 +421,13 @@ def _warn_of_columns(assessment: Assessment) -> Iterator[str]:
 
 
 def _warn_of_force(assessment: Assessment) -> Iterator[str]:
-    yield from doubts_of_force(assessment.recording)
+    examined = assessment.examined_force
+    if examined is None:
+        return
+    yield from doubts_of_force(assessment.recording, examined)
     unknown = assessment.error.specimen_known != "stated" or "alpha" in assessment.equation.wrong
     if "mass" not in assessment.stated or not unknown:
-        sentence = remark_on_force(assessment.recording, assessment.structure, assessment.stated)
+        sentence = remark_on_force(examined, assessment.structure, assessment.stated)
         yield from (sentence,) if sentence else ()
 
 

@@ -206,7 +206,7 @@ class FrameAssessment(JudgedTest):
         yield from (contradiction.finding for contradiction in self.contradictions)
         yield from self.turning.warnings(self.judgement)
         yield from self.responses.warnings
-        yield from doubts_of_force(self.recording)
+        yield from doubts_of_force(self.recording, self.examined_force)
         if self.tracking is not None:
             yield from warn_of_signal(self.recording, self.tracking, self.mode.frequency)
             if self.over_frequency is None:

@@ -12,8 +12,8 @@ from reliab.assessment.inference.evidence import Evidence
 from reliab.assessment.inference.experiment import Experiment
 from reliab.assessment.inference.posterior import (
     DRAWS,
+    TestModel,
     TestPosterior,
-    experiment_at,
     infer,
     log_evidence_ratio,
 )
@@ -120,7 +120,8 @@ class InferredError:
 
     def exact_as_stated(self) -> Array:
         """Return the response without actuator errors with everything as stated [m], shape (n,)."""
-        world = experiment_at(self.posterior.circumstances, (), np.zeros(0))
+        as_stated = TestModel(circumstances=self.posterior.circumstances, unknowns=(), evidence=())
+        world = as_stated.experiment(np.zeros(0))
         return np.asarray(self.test.on_record(self.test.solve(world))[1, 0])
 
     def typical_world(self) -> Experiment:

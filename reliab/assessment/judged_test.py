@@ -12,6 +12,7 @@ from reliab.assessment.conflicts import OwnEquation
 from reliab.assessment.error_of_test import ErrorOfTest, Question
 from reliab.assessment.faults import FaultEffect
 from reliab.assessment.rebuilt_error.spread import Estimate
+from reliab.assessment.recorded_force import ExaminedForce
 from reliab.assessment.tracking_index import TrackingIndex
 from reliab.assessment.turning import Turning
 from reliab.assessment.verdict import Contradiction, Doubt, Verdict, Word, probability_text
@@ -63,6 +64,7 @@ class JudgedTest(PlainResult):
     turning: Turning  # What was not stated and would turn the verdict
     column_doubts: tuple[Contradiction, ...]  # Why command and measured displacement may be swapped
     judgement: Verdict  # The verdict with its reasons, by the error alone before doubts are added
+    examined_force: ExaminedForce | None = None  # Its recorded force, if one actuator has one
     # The test against the boundary of its own ground motion, where that is known
     placement: "OwnPlacement | None" = None
     doubts: tuple[Doubt, ...] = ()  # What leaves the verdict undecided

@@ -333,18 +333,12 @@ def _power(values: Array) -> float:
 
 
 def remark_on_force(
-    recording: Recording, structure: Structure, stated_values: Mapping[str, StatedValue]
+    examined: ExaminedForce, structure: Structure, stated_values: Mapping[str, StatedValue]
 ) -> str:
     """Say that a force differs from what is stated of a linear specimen, or which mass it belongs to.
 
     Empty where there is nothing to say.
     """
-    clean, *_ = remove_spikes(recording)
-    if clean.force is None:
-        return ""
-    examined = ExaminedForce.from_histories(clean.measured, clean.force, clean.time_step)
-    if examined is None:
-        return ""
     per_mass = structure.experimental_fraction * structure.circular_frequency**2
     stated_mass = stated_values.get("mass")
     stiffness = examined.stiffness_above(_SPRING if stated_mass is None else _STRAIGHT)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -26,18 +27,86 @@ DRAWS = 256
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TestPosterior:
-    """What the channels of a test show of everything that is uncertain."""
+class TestModel:
+    """What is uncertain about a test, and the evidence that shows it."""
 
     circumstances: Circumstances
     unknowns: tuple[UncertainQuantity, ...]
     evidence: tuple[Evidence, ...]
-    fit: LeastSquares
-    draws: Draws
 
     def experiment(self, z: Array) -> Experiment:
         """Possible world at standard normal values z, shape (d,)."""
-        return experiment_at(self.circumstances, self.unknowns, z)
+        experiment = Experiment.as_stated(self.circumstances.partition.degrees)
+        experiment.feedback_lag = self.circumstances.feedback_lag
+        experiment.slip = self.circumstances.slip
+        for unknown, normal in zip(self.unknowns, z.tolist(), strict=True):
+            quantity, value = unknown.quantity, unknown.prior.value(normal)
+            experiment.change(quantity.changes, value, unknown.actuator, by_factor=quantity.by_factor)
+        return experiment
+
+    def change(self, **circumstances: Any) -> "TestModel":  # noqa: ANN401 - of any field
+        """Return the model in other circumstances, with evidence whose variances are estimated anew."""
+        changed = replace(self.circumstances, **circumstances)
+        evidence = tuple(replace(item) for item in self.evidence)
+        return TestModel(circumstances=changed, unknowns=list_unknowns(changed), evidence=evidence)
+
+    def least_squares(self, start: Array | None = None) -> LeastSquares:
+        """Residuals of all evidence; `start` of the search for the mode, that as stated by default."""
+
+        def residuals(z: Array) -> Array:
+            experiment = self.experiment(z)
+            return np.concatenate([np.zeros(0), *(item.whiten(experiment) for item in self.evidence)])
+
+        def update(z: Array) -> None:
+            experiment = self.experiment(z)
+            for item in self.evidence:
+                item.update(experiment)
+
+        def determinant(z: Array) -> float:
+            experiment = self.experiment(z)
+            return sum(item.determinant(experiment) for item in self.evidence)
+
+        return LeastSquares(
+            residuals=residuals,
+            update=update,
+            determinant=determinant,
+            start=np.zeros(len(self.unknowns)) if start is None else start,
+            positive=np.array([one.prior.shape is Shape.POSITIVE for one in self.unknowns], dtype=bool),
+        )
+
+    def fit_mode(self) -> LeastSquares:
+        """Find the most probable world."""
+        fit = self.least_squares()
+        fit.fit()
+        return fit
+
+    def log_evidence_of(self, fit: LeastSquares) -> float:
+        """Logarithm of the probability of the channels, by Laplace's approximation, but for a constant."""
+        mode = self.experiment(fit.mode)
+        return sum(item.log_likelihood(mode) for item in self.evidence) + fit.log_volume
+
+    def holds(self, item: Evidence, mode: Array) -> bool:
+        """Return whether what some evidence assumes of the test holds, also with the damping ratio as stated.
+
+        A harmonic motion at resonance looks like that of an earthquake with one ratio, which says nothing of
+        it.
+        """
+        as_stated = mode.copy()
+        for place, unknown in enumerate(self.unknowns):
+            if unknown.name == "frequency" and abs(mode[place]) > item.farthest:
+                return False
+            if unknown.name == "damping_ratio":
+                as_stated[place] = 0.0
+        values = [mode] if np.array_equal(as_stated, mode) else [mode, as_stated]
+        return all(item.holds(self.experiment(z)) for z in values)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TestPosterior(TestModel):
+    """What the channels of a test show of everything that is uncertain."""
+
+    fit: LeastSquares
+    draws: Draws
 
     @property
     def mode(self) -> Experiment:
@@ -51,7 +120,7 @@ class TestPosterior:
     @property
     def log_evidence(self) -> float:
         """Logarithm of the probability of the channels, by Laplace's approximation, but for a constant."""
-        return _log_evidence(self.circumstances, self.unknowns, self.evidence, self.fit)
+        return self.log_evidence_of(self.fit)
 
     @cached_property
     def values(self) -> Array:
@@ -107,20 +176,15 @@ def infer(
     evidence: tuple[Evidence, ...] | None = None,
 ) -> TestPosterior:
     """Infer what is uncertain about a test from some evidence, by default that of all of its channels."""
-    unknowns = list_unknowns(circumstances)
     evidence = collect_evidence(circumstances) if evidence is None else evidence
-    fit = _fit_posterior(circumstances, unknowns, evidence)
-    holding = tuple(item for item in evidence if _holds(item, circumstances, unknowns, fit))
+    unknowns = list_unknowns(circumstances)
+    model = TestModel(circumstances=circumstances, unknowns=unknowns, evidence=evidence)
+    fit = model.fit_mode()
+    holding = tuple(item for item in evidence if model.holds(item, fit.mode))
     if len(holding) < len(evidence):
-        evidence = holding
-        fit = _fit_posterior(circumstances, unknowns, evidence)
-    return TestPosterior(
-        circumstances=circumstances,
-        unknowns=unknowns,
-        evidence=evidence,
-        fit=fit,
-        draws=fit.draw(draws, seed),
-    )
+        model = replace(model, evidence=holding)
+        fit = model.fit_mode()
+    return TestPosterior(**vars(model), fit=fit, draws=fit.draw(draws, seed))
 
 
 def favours_frequency(posterior: TestPosterior, frequency: float) -> bool:
@@ -129,11 +193,8 @@ def favours_frequency(posterior: TestPosterior, frequency: float) -> bool:
     if uncertain is None or not posterior.evidence:
         return True
     shifted_prior = replace(uncertain.prior, mean=uncertain.prior.mean + math.log(frequency))
-    circumstances = replace(posterior.circumstances, learned={"frequency": shifted_prior})
-    unknowns = list_unknowns(circumstances)
-    evidence = tuple(replace(unknown) for unknown in posterior.evidence)
-    fit = _fit_posterior(circumstances, unknowns, evidence)
-    return _log_evidence(circumstances, unknowns, evidence, fit) > posterior.log_evidence
+    model = posterior.change(learned={"frequency": shifted_prior})
+    return model.log_evidence_of(model.fit_mode()) > posterior.log_evidence
 
 
 def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
@@ -141,11 +202,10 @@ def log_evidence_ratio(posterior: TestPosterior, slip: Spectrum) -> float:
 
     `slip`: what it lost [m], shape (p, K).
     """
-    circumstances = replace(posterior.circumstances, slip=slip)
-    evidence = tuple(replace(item) for item in posterior.evidence)
-    fit = _least_squares(circumstances, posterior.unknowns, evidence, posterior.fit.mode)
+    model = posterior.change(slip=slip)
+    fit = model.least_squares(posterior.fit.mode)
     fit.fit(updates=_UPDATES_OF_RATIO, iterations=_STEPS_OF_RATIO)
-    return _log_evidence(circumstances, posterior.unknowns, evidence, fit) - posterior.log_evidence
+    return model.log_evidence_of(fit) - posterior.log_evidence
 
 
 _UPDATES_OF_RATIO, _STEPS_OF_RATIO = 3, 2
@@ -163,78 +223,3 @@ def collect_evidence(circumstances: Circumstances) -> tuple[Evidence, ...]:
     if circumstances.specimen_force:
         evidence.append(SpecimenForce(channels=channels, partition=partition))
     return tuple(evidence)
-
-
-def experiment_at(
-    circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], z: Array
-) -> Experiment:
-    """Possible world at standard normal values z, shape (d,)."""
-    experiment = Experiment.as_stated(circumstances.partition.degrees)
-    experiment.feedback_lag, experiment.slip = circumstances.feedback_lag, circumstances.slip
-    for unknown, normal in zip(unknowns, z.tolist(), strict=True):
-        quantity, value = unknown.quantity, unknown.prior.value(normal)
-        experiment.change(quantity.changes, value, unknown.actuator, by_factor=quantity.by_factor)
-    return experiment
-
-
-def _fit_posterior(
-    circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], evidence: tuple[Evidence, ...]
-) -> LeastSquares:
-    fit = _least_squares(circumstances, unknowns, evidence, np.zeros(len(unknowns)))
-    fit.fit()
-    return fit
-
-
-def _log_evidence(
-    circumstances: Circumstances,
-    unknowns: tuple[UncertainQuantity, ...],
-    evidence: tuple[Evidence, ...],
-    fit: LeastSquares,
-) -> float:
-    mode = experiment_at(circumstances, unknowns, fit.mode)
-    return sum(item.log_likelihood(mode) for item in evidence) + fit.log_volume
-
-
-def _least_squares(
-    circumstances: Circumstances,
-    unknowns: tuple[UncertainQuantity, ...],
-    evidence: tuple[Evidence, ...],
-    start: Array,
-) -> LeastSquares:
-    def world(z: Array) -> Experiment:
-        return experiment_at(circumstances, unknowns, z)
-
-    def residuals(z: Array) -> Array:
-        experiment = world(z)
-        return np.concatenate([np.zeros(0), *(item.whiten(experiment) for item in evidence)])
-
-    def update(z: Array) -> None:
-        experiment = world(z)
-        for item in evidence:
-            item.update(experiment)
-
-    def determinant(z: Array) -> float:
-        experiment = world(z)
-        return sum(item.determinant(experiment) for item in evidence)
-
-    positive = np.array([unknown.prior.shape is Shape.POSITIVE for unknown in unknowns], dtype=bool)
-    return LeastSquares(
-        residuals=residuals, update=update, determinant=determinant, start=start, positive=positive
-    )
-
-
-def _holds(
-    item: Evidence, circumstances: Circumstances, unknowns: tuple[UncertainQuantity, ...], fit: LeastSquares
-) -> bool:
-    """Return whether what some evidence assumes of the test holds, also with the damping ratio as stated.
-
-    A harmonic motion at resonance looks like that of an earthquake with one ratio, which says nothing of it.
-    """
-    as_stated = fit.mode.copy()
-    for place, unknown in enumerate(unknowns):
-        if unknown.name == "frequency" and abs(fit.mode[place]) > item.farthest:
-            return False
-        if unknown.name == "damping_ratio":
-            as_stated[place] = 0.0
-    values = [fit.mode] if np.array_equal(as_stated, fit.mode) else [fit.mode, as_stated]
-    return all(item.holds(experiment_at(circumstances, unknowns, z)) for z in values)
