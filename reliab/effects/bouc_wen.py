@@ -56,14 +56,14 @@ SHARPEST = 50.0
 """Largest exponent n [-] that the steps follow; above it the force leaves its bounds."""
 
 
-def require_followed(exponent: float) -> None:
+def require_followed(exponent: float, sharpest: float = SHARPEST) -> None:
     """Refuse an exponent that the steps cannot follow.
 
-    `exponent` [-].
+    `exponent`, `sharpest` [-].
     """
-    if exponent > SHARPEST:
+    if exponent > sharpest:
         raise InputError(
-            f"The exponent of a hysteresis must be at most {SHARPEST:g}",
+            f"The exponent of a hysteresis must be at most {sharpest:g}",
             value=f"{exponent:g}",
             remedy="Give 20 for a sharp corner",
         )

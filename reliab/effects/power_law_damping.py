@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from reliab.core.vocabulary import Block
 from reliab.effects.coulomb_friction import CoulombFriction
-from reliab.effects.effect import Parameter, Role, SteppedEffect
+from reliab.effects.effect import Effect, Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
 from reliab.effects.viscous_damping import ViscousDamping
 
@@ -24,8 +25,8 @@ class PowerLawDamping(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen has a damper whose force grows with a power of the velocity below one"
-    limiting_cases = (CoulombFriction, ViscousDamping)
-    parameters = (
+    limiting_cases: ClassVar[tuple[type[Effect], ...]] = (CoulombFriction, ViscousDamping)
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="coefficient",
             units="N·(s/m)^p",

@@ -5,6 +5,7 @@ from typing import Any
 from reliab.core.registry import Registry
 from reliab.effects.added_mass import AddedMass
 from reliab.effects.backlash import Backlash
+from reliab.effects.bilinear_stiffness import BilinearStiffness
 from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
 from reliab.effects.degrading_hysteresis import DegradingHysteresis
@@ -21,12 +22,14 @@ from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.hysteresis_with_play import HysteresisWithPlay
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.magnetorheological_damper import MagnetorheologicalDamper
+from reliab.effects.nonlinear_maxwell import NonlinearMaxwell
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
 from reliab.effects.quadratic_stiffness import QuadraticStiffness
 from reliab.effects.rate_limit import RateLimit
 from reliab.effects.rectified_sensor import RectifiedSensor
 from reliab.effects.second_order_dynamics import SecondOrderDynamics
+from reliab.effects.self_centring import SelfCentring
 from reliab.effects.sensor_bias import SensorBias
 from reliab.effects.sensor_drift import SensorDrift
 from reliab.effects.series_play import SeriesPlay
@@ -60,9 +63,12 @@ _SHIPPED: tuple[type[Effect], ...] = (
     ViscousDamping,
     QuadraticDamping,
     PowerLawDamping,
+    NonlinearMaxwell,
     Hysteresis,
     DegradingHysteresis,
     HysteresisWithPlay,
+    BilinearStiffness,
+    SelfCentring,
     MagnetorheologicalDamper,
     ViscoelasticBranch,
     TwoViscoelasticBranches,

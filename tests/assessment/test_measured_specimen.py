@@ -65,6 +65,15 @@ def test_an_elastic_plastic_spring_dissipates_the_area_of_its_loop() -> None:
     assert np.trapezoid(force[cycle], _SINE[cycle]) == pytest.approx(4.0 * (3.0 - 1.0), rel=1e-3)
 
 
+@pytest.mark.parametrize("share", [0.25, 0.5, 1.0])
+def test_a_flag_dissipates_its_area_and_returns_to_where_it_began(share: float) -> None:
+    """A cycle of amplitude X dissipates 2βs(X − s) per unit stiffness: a parallelogram on either side."""
+    force = _follow_path(_single_element(Kind.SELF_CENTRING, 1.0, share), _SINE)
+    cycle = slice(round(10.0 / _STEP), round(12.0 / _STEP) + 1)
+    assert np.trapezoid(force[cycle], _SINE[cycle]) == pytest.approx(2.0 * share * (3.0 - 1.0), rel=1e-3)
+    assert np.abs(force[np.abs(_SINE) < 1e-9]).max() < 1e-9
+
+
 @pytest.mark.parametrize(
     ("kind", "size", "shape", "expected"),
     [
@@ -73,6 +82,7 @@ def test_an_elastic_plastic_spring_dissipates_the_area_of_its_loop() -> None:
         (Kind.GAP, 1.0, 0.0, np.sign(_SINE) * np.maximum(np.abs(_SINE) - 1.0, 0.0)),
         (Kind.GAP_ABOVE, 1.0, 0.0, np.maximum(_SINE - 1.0, 0.0)),
         (Kind.GAP_BELOW, 1.0, 0.0, np.minimum(_SINE + 1.0, 0.0)),
+        (Kind.SELF_CENTRING, 1.0, 0.0, np.clip(_SINE, -1.0, 1.0)),
         (Kind.CONSTANT, 2.0, 0.0, np.full(_SINE.size, 2.0)),
         (Kind.WEAKENING, 1e6, 1.0, _SINE * np.linspace(0.0, 1.0, _SINE.size)),
         (Kind.WEAKENING, 1e6, 0.0, _SINE * np.linspace(1.0, 0.0, _SINE.size)),

@@ -33,6 +33,8 @@ ROWS = {
     "ground_force_no_mass": {"specimen": "linear", "ground": True, "force": True, "states_mass": False},
     "nonlinear_no_mass": {"force": True, "ground": True, "yielding": True, "states_mass": False},
     "nonlinear": {"yielding": True},
+    "self_centring": {"force": True, "yielding": True, "flag": True},
+    "self_centring_ground": {"force": True, "ground": True, "yielding": True, "flag": True},
 }
 EXCITATIONS = ("earthquake", "harmonic", "sweep", "white", "pulse", "free")
 
@@ -63,10 +65,27 @@ def discretize(a, b, step):
 
 
 @njit(cache=True)
+def specimen_force(law, x, moved, slip):
+    """Force of a unit mass and what the specimen remembers: its slip, or its own force over the stiffness.
+
+    `law`: stiffness, hardening, yield displacement (zero if linear), and the share of the force by which a
+    self-centring specimen unloads lower than it was loaded; negative if it is bilinear.
+    """
+    stiffness, hardening, yields, flag = law
+    if yields == 0.0:
+        return stiffness * x, slip
+    if flag < 0.0:
+        slip = min(max(slip, x - yields), x + yields)
+        return stiffness * (hardening * x + (1.0 - hardening) * (x - slip)), slip
+    low = (1.0 - flag) * yields
+    slip = min(max(slip + moved, min(max(x, -yields), low)), max(x, -low), yields)
+    return stiffness * (hardening * x + (1.0 - hardening) * slip), slip
+
+
+@njit(cache=True)
 def loop(numerical, early, late, servo, servo_early, servo_late, ground, noise, inverse, gain, dead, law):
-    """Command, displacement and force of a hybrid test; `law`: stiffness, hardening, yield displacement."""
+    """Command, displacement and force of a hybrid test."""
     size = ground.size
-    stiffness, hardening, yields = law
     command, displacement, force, sent = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
     state, piston, slip = np.zeros(2), np.zeros(2), 0.0
     for i in range(size - 1):
@@ -82,12 +101,8 @@ def loop(numerical, early, late, servo, servo_early, servo_late, ground, noise, 
         first, second = (sent[j - 1] if j >= 1 else 0.0), (sent[j] if j >= 0 else 0.0)
         piston = servo @ piston + servo_early * first + servo_late * second
         displacement[i + 1] = gain * piston[0]
-        if yields > 0.0:
-            slip = min(max(slip, displacement[i + 1] - yields), displacement[i + 1] + yields)
-            elastic = displacement[i + 1] - slip
-            force[i + 1] = stiffness * (hardening * displacement[i + 1] + (1.0 - hardening) * elastic)
-        else:
-            force[i + 1] = stiffness * displacement[i + 1]
+        moved = displacement[i + 1] - displacement[i]
+        force[i + 1], slip = specimen_force(law, displacement[i + 1], moved, slip)
         if abs(command[i + 1]) > 1e3:
             break
     return command, displacement, force
@@ -128,7 +143,7 @@ def excitation(kind, generator, time, frequency, motions):
     return np.where(time < 0.2 / frequency, 1.0, 0.0)
 
 
-def simulate(generator, motions, kind, *, yielding):
+def simulate(generator, motions, kind, *, yielding, flag=False):
     """Simulate one test; None where its loop is unstable."""
     frequency = np.exp(generator.uniform(np.log(0.3), np.log(4.0)))
     ratio = np.exp(generator.uniform(np.log(0.01), np.log(0.06)))
@@ -148,12 +163,13 @@ def simulate(generator, motions, kind, *, yielding):
     )
     nothing = np.zeros(time.size)
     still = (np.eye(2), np.zeros(2), np.zeros(2))
-    perfect = (*exact, *still, ground, nothing, np.zeros(2), 1.0, 0, (0.0, 1.0, 0.0))
+    perfect = (*exact, *still, ground, nothing, np.zeros(2), 1.0, 0, (0.0, 1.0, 0.0, -1.0))
     response = loop(*perfect)[0]
     scale = PEAK / np.abs(response).max()
     ground, response = ground * scale, response * scale
     stiffness = share * omega**2
-    law = (stiffness, 0.05, PEAK / generator.uniform(1.2, 5.0) if yielding else 0.0)
+    yields = PEAK / generator.uniform(1.2, 5.0) if yielding else 0.0
+    law = (stiffness, 0.05, yields, generator.uniform(0.0, 1.0) if flag else -1.0)
     numerical = discretize(
         np.array([[0.0, 1.0], [-(1.0 - share) * omega**2, -2.0 * ratio * omega]]), np.array([0.0, 1.0]), step
     )
@@ -167,7 +183,7 @@ def simulate(generator, motions, kind, *, yielding):
     if not np.abs(command).max() < 10.0 * PEAK:
         return None
     if yielding:
-        response = bilinear(ground, omega, ratio, share, law, step)
+        response = nonlinear(ground, omega, ratio, share, law, step)
     peak = np.abs(response).max()
     error = float(np.sqrt(np.mean((displacement - response) ** 2)) / peak)
     return World(
@@ -184,20 +200,18 @@ def simulate(generator, motions, kind, *, yielding):
 
 
 @njit(cache=True)
-def bilinear(ground, omega, ratio, share, law, step, fine=8):
-    """Response of a bilinear specimen by central differences in fine steps."""
-    stiffness, hardening, yields = law
+def nonlinear(ground, omega, ratio, share, law, step, fine=8):
+    """Response with the specimen by central differences in fine steps."""
     h, half_damping = step / fine, ratio * omega * step / fine
-    answer, x, v, slip = np.zeros(ground.size), 0.0, 0.0, 0.0
+    answer, x, v, slip, spring = np.zeros(ground.size), 0.0, 0.0, 0.0, 0.0
     for i in range(ground.size - 1):
         for k in range(fine):
-            slip = min(max(slip, x - yields), x + yields)
-            spring = stiffness * (hardening * x + (1.0 - hardening) * (x - slip))
             shaken = ground[i] + (ground[i + 1] - ground[i]) * k / fine
             v = ((1.0 - half_damping) * v + h * (-shaken - (1.0 - share) * omega**2 * x - spring)) / (
                 1.0 + half_damping
             )
             x += h * v
+            spring, slip = specimen_force(law, x, h * v, slip)
         answer[i + 1] = x
     return answer
 
@@ -251,12 +265,12 @@ def ask(world, generator, *, ground=False, force=False, states_mass=True, is_cal
 def measure(name, seed, tests, kind, motions):
     """Print the line of one row."""
     settings = dict(ROWS[name])
-    yielding = settings.pop("yielding", False)
+    yielding, flag = settings.pop("yielding", False), settings.pop("flag", False)
     rows, took, number = [], 0.0, 0
     while len(rows) < tests:
         generator = np.random.default_rng([seed, number])
         number += 1
-        world = simulate(generator, motions, kind, yielding=yielding)
+        world = simulate(generator, motions, kind, yielding=yielding, flag=flag)
         if world is None or not 0.001 < world.rms < 0.35:
             continue
         began = time.perf_counter()

@@ -15,12 +15,13 @@ TIME = np.arange(0.0, 3.0, 0.002)
 DISPLACEMENT = 0.1 * np.sin(2.0 * np.pi * TIME)
 
 
-@pytest.mark.parametrize("power", [1.0, 1.5])
-def test_a_stop_is_silent_within_its_clearance_and_grows_with_the_power_beyond(power):
-    stops = ElasticStops(stiffness_n_per_m=2000.0, clearance_m=0.04, power=power)
+@pytest.mark.parametrize(("power", "middle"), [(1.0, 0.0), (1.5, 0.0), (1.0, 0.02)])
+def test_a_stop_is_silent_within_its_clearance_and_grows_with_the_power_beyond(power, middle):
+    stops = ElasticStops(stiffness_n_per_m=2000.0, clearance_m=0.04, power=power, middle_m=middle)
     test = HybridTest(specimen=Specimen(stiffness=1000.0), effects=(stops,))
-    excess = np.maximum(np.abs(DISPLACEMENT) - 0.04, 0.0) / 0.04
-    reference = 1000.0 * DISPLACEMENT + 2000.0 * 0.04 * np.sign(DISPLACEMENT) * excess**power
+    place = DISPLACEMENT - middle
+    excess = np.maximum(np.abs(place) - 0.04, 0.0) / 0.04
+    reference = 1000.0 * DISPLACEMENT + 2000.0 * 0.04 * np.sign(place) * excess**power
     np.testing.assert_allclose(
         load(test, Motion3.interpolate(DISPLACEMENT, TIME[1])), reference, rtol=1e-9, atol=1e-9
     )

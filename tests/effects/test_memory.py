@@ -53,6 +53,19 @@ def test_held_specimen_relaxes_with_the_sum_of_both_exponentials():
     np.testing.assert_allclose(force[5:], expected[5:], rtol=5e-3)
 
 
+@pytest.mark.parametrize("stiffness", [2e3, 2e5])
+def test_damper_behind_a_spring_is_its_differential_equation(stiffness):
+    force = force_of("nonlinear_maxwell", coefficient=60.0, exponent=0.4, series_stiffness_n_per_m=stiffness)
+
+    def rise(time, value):
+        speed = np.sign(value) * (np.abs(value) / 60.0) ** 2.5
+        return stiffness * (0.05 * OMEGA * np.cos(OMEGA * time) - speed)
+
+    reference = solve_ivp(rise, (0.0, TIME[-1]), [0.0], "LSODA", TIME, rtol=1e-8, atol=1e-8).y[0]
+    moving = slice(5, None)  # from rest it jumps to its speed within the first step
+    assert np.abs(force - reference)[moving].max() < 1e-3 * np.abs(reference).max()
+
+
 def test_damage_lowers_the_stiffness_with_the_largest_displacement():
     growing = X * TIME
     largest = np.maximum.accumulate(np.abs(growing))

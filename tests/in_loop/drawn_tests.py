@@ -207,6 +207,18 @@ def effects(kind, peak, stiffness, frequency):
         "viscous_damping": {"damping_n_s_per_m": 0.05 * stiffness / frequency},
         "quadratic_damping": {"coefficient_n_s2_per_m2": 0.1 * force / speed**2},
         "power_law_damping": {"coefficient": 0.05 * force / speed**0.4, "exponent": 0.4},
+        "nonlinear_maxwell": {
+            "coefficient": 0.1 * force / speed**0.4,
+            "exponent": 0.4,
+            "series_stiffness_n_per_m": 0.5 * stiffness,
+        },
+        "bilinear_stiffness": {"force_n": 0.5 * force, "displacement_m": 0.5 * peak, "exponent": 5.0},
+        "self_centring": {
+            "force_n": 0.5 * force,
+            "displacement_m": 0.5 * peak,
+            "exponent": 5.0,
+            "flag_share": 0.6,
+        },
         "hysteresis": yields,
         "degrading_hysteresis": {**yields, "stiffness_loss": 0.02, "strength_loss": 0.02, "slip": 0.5},
         "hysteresis_with_play": {**yields, "width_m": 0.05 * peak, "asymmetry": 0.2},

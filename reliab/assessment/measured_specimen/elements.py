@@ -11,6 +11,8 @@ coefficients [N/m] that are not negative. The elements are
 - springs that soften with the largest excursion so far, gaps that open with it, and reloading towards the
   largest excursion (Clough and Johnston 1966),
 - elastic-plastic springs that weaken with the energy of the test so far,
+- springs that yield and return to where they began, along a flag or on the same way (Christopoulos,
+  Filiatrault and Folz 2002),
 - springs that are softer the farther they are below the largest excursion (the effect of Mullins), and
 - four laws of hysteresis with traits that are searched for (`hysteresis`).
 """
@@ -26,6 +28,7 @@ from numpy.typing import NDArray
 from reliab.assessment.measured_specimen.hysteresis import (
     TRAITS,
     follow_reversals,
+    load_towards_largest,
     load_towards_peaks,
     smooth_pinched,
     strut,
@@ -64,6 +67,7 @@ class Kind(IntEnum):
     TOWARDS_PEAKS = 16
     FROM_REVERSALS = 17
     STRUT = 18
+    SELF_CENTRING = 19
 
 
 _SCALABLE: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
@@ -104,12 +108,17 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
 ) -> float:
     """Displacement of one element [m] at the end of a step; its state is changed in place.
 
-    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent; `speed` at which a
-    dashpot gives its size [m/s].
+    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent, or the share by which a
+    flag unloads lower; `speed` at which a dashpot gives its size [m/s].
     """
     if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
         state[0] = min(max(state[0] + increment, -size), size)
         return float(state[0] * weakness if kind == Kind.WEAKENING else state[0])
+    if kind == Kind.SELF_CENTRING:
+        low = (1.0 - shape) * size
+        upper, lower = min(max(position, -low), size), min(max(position, -size), low)
+        state[0] = min(max(state[0] + increment, lower), upper)
+        return float(state[0])
     if kind == Kind.CUBIC:
         return position**3 / size**2
     if kind == Kind.QUINTIC:
@@ -136,7 +145,7 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         gap = size * state[1]
         return float(position - min(max(position, -gap), gap))
     if kind == Kind.PEAK_ORIENTED:
-        return _peak_oriented(size, position, increment, state)
+        return load_towards_largest(size, position, increment, state)
     if kind == Kind.MULLINS:
         state[1] = max(state[1], abs(position))
         return float(position * (abs(position) / state[1]) ** shape) if state[1] > 0.0 else 0.0
@@ -149,26 +158,6 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
     if kind == Kind.STRUT:
         return strut(size, traits, position, increment, state)
     return size
-
-
-@compiled
-def _peak_oriented(size: float, position: float, increment: float, state: Array) -> float:
-    """Elastic unloading, and loading towards the largest excursion so far, up to the yield displacement."""
-    if state[1] == 0.0:
-        state[1], state[2] = size, -size
-    force, start = state[0], position - increment
-    if increment * force < 0.0:
-        unloaded_force = force + increment
-        force = unloaded_force if unloaded_force * force > 0.0 else 0.0
-    elif increment != 0.0:
-        sign = 1.0 if increment > 0.0 else -1.0
-        gap = sign * ((state[1] if increment > 0.0 else state[2]) - start)
-        missing = size - sign * force
-        slope = min(1.0, max(missing, 0.0) / gap) if gap > 1e-12 * size else (1.0 if missing > 0.0 else 0.0)
-        force = min(max(force + slope * increment, -size), size)
-    state[1], state[2] = max(state[1], position), min(state[2], position)
-    state[0] = force
-    return float(force)
 
 
 @compiled
@@ -289,7 +278,8 @@ class Elements:
 
     kinds: NDArray[np.int64]  # Kind of each, shape (elements,)
     sizes: Array  # Yield displacement, gap or unit [m], of Maxwell's element a time [s], shape (elements,)
-    shapes: Array  # Exponent of a dashpot or of smooth hysteresis, share of one that weakens, (elements,)
+    # Exponent of a dashpot or of smooth hysteresis, share of one that weakens or of a flag, shape (elements,)
+    shapes: Array
     speed: float  # Velocity at which a dashpot gives its size [m/s]
     # Of laws of hysteresis, zero for all others, shape (elements, TRAITS)
     traits: Array = field(default_factory=lambda: np.zeros((0, TRAITS)))
@@ -405,6 +395,7 @@ _YIELDS_OF_OTHERS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65,
 _GAPS = tuple(np.arange(0.05, 1.0, 0.05).tolist())
 _TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
 _POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
+_FLAGS = (0.0, 0.25, 0.5, 0.75, 1.0)  # share of the yield force by which a flag unloads lower
 _POWERS_OF_MULLINS = (0.5, 1.0, 2.0, 4.0)
 
 LINEAR: Final = "linear"
@@ -414,6 +405,7 @@ FAMILIES: Final[Mapping[str, str]] = {
     LINEAR: "a spring and a dashpot",
     "plain": "elastic-plastic springs, hardening and dashpots",
     "gaps": "elastic-plastic springs, hardening, dashpots and gaps",
+    "flags": "elastic-plastic springs, hardening, dashpots and springs that return to where they began",
     "smooth": "elastic-plastic springs, hardening, dashpots and smooth hysteresis",
     "memory": "the same with smooth hysteresis and memory of the largest excursion",
     "all": "all elements",
@@ -432,6 +424,9 @@ def elements_of_family(name: str, displacement: float, speed: float) -> Elements
     rows = list(_plain(displacement))
     if name in {"gaps", "all"}:
         rows += _gaps(displacement)
+    if name in {"flags", "all"}:
+        sizes = [x * displacement for x in _YIELDS_OF_OTHERS]
+        rows += [(Kind.SELF_CENTRING, size, share) for size in sizes for share in _FLAGS]
     if name in {"smooth", "memory", "all"}:
         rows += [(Kind.SMOOTH, x * displacement, n) for x in _YIELDS_OF_OTHERS for n in (1.0, 2.0)]
     if name in {"memory", "all"}:

@@ -1,4 +1,4 @@
-"""Four laws of hysteresis with many traits, searched for by nonlinear least squares.
+"""Laws of hysteresis: one without traits, and four with many, searched for by nonlinear least squares.
 
 Smooth hysteresis unloads elastically, loses strength and stiffness with the energy that it took, resists
 less on one side, and slips while its force is small: Baber and Noori (1986, Journal of Vibration, Acoustics,
@@ -149,6 +149,26 @@ def load_towards_peaks(size: float, traits: Array, position: float, increment: f
     state[1] += max(0.5 * (resistance + force) * part, 0.0)
     state[0] = resistance
     return float(resistance * size)
+
+
+@compiled
+def load_towards_largest(size: float, position: float, increment: float, state: Array) -> float:
+    """Elastic unloading, and loading towards the largest excursion so far, up to the yield displacement."""
+    if state[1] == 0.0:
+        state[1], state[2] = size, -size
+    force, start = state[0], position - increment
+    if increment * force < 0.0:
+        unloaded_force = force + increment
+        force = unloaded_force if unloaded_force * force > 0.0 else 0.0
+    elif increment != 0.0:
+        sign = 1.0 if increment > 0.0 else -1.0
+        gap = sign * ((state[1] if increment > 0.0 else state[2]) - start)
+        missing = size - sign * force
+        slope = min(1.0, max(missing, 0.0) / gap) if gap > 1e-12 * size else (1.0 if missing > 0.0 else 0.0)
+        force = min(max(force + slope * increment, -size), size)
+    state[1], state[2] = max(state[1], position), min(state[2], position)
+    state[0] = force
+    return float(force)
 
 
 @compiled

@@ -157,7 +157,7 @@ _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
 _UNSEEN = 1e-3  # of the largest displacement, up to which nothing is known of an element that moved so far
-_REFINED_FAMILIES = ("plain", "gaps", "smooth", "memory", "all")
+_REFINED_FAMILIES = ("plain", "gaps", "flags", "smooth", "memory", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -184,13 +184,14 @@ class Ranking:
         return credible or next(row for row in self.rows if not row.effects), sure, doubtful
 
     def weigh(self, best: RankedModel) -> tuple[set[type[Effect]], set[type[Effect]]]:
-        """Find effects that are too little for a name, and a main one that is in doubt.
+        """Find effects that are too little for a name, and those that are in doubt.
 
         Nearly any effect explains some of an error that follows the motion: there, one has a name only if it
         is in most models by their probability, and takes off more of the energy than the effects that have a
         name leave together, on left-out parts as on held-out tests: beside other effects in its place, too,
-        and without those that have none. The main one does so by itself, or something of its kind acts; that
-        one of both shows it is enough, because a limit acts in the strongest tests alone.
+        and without those that have none. One that takes off so much, but no more than others in its place,
+        is in doubt. The main one does so by itself, or something of its kind acts; that one of both shows it
+        is enough, because a limit acts in the strongest tests alone.
         """
         kinds = _removable(best)
         if not kinds or not (self.by_parts or not is_noise(self.search.problem, best.fit)):
@@ -207,7 +208,15 @@ class Ranking:
             model = self.remove_effect(model, least)
         without_main = self.remove_effect(model, main)
         weak = set() if max(_energy_ratios(without_main, model)) >= _MORE_THAN_LEFT else {main}
-        return set(kinds) - set(named), weak
+        nameless = set(kinds) - set(named)
+        replaceable = {kind for kind in nameless if self._is_needed(best, kind)}
+        return nameless - replaceable, weak | replaceable
+
+    def _is_needed(self, best: RankedModel, kind: type[Effect]) -> bool:
+        """Whether a probable effect of the library takes off more energy than the whole model leaves."""
+        if is_general(kind) or kind in self.linear or self.probability(kind) < _LIKELY:
+            return False
+        return min(_energy_ratios(self.remove_effect(best, kind), best)) >= _MORE_THAN_LEFT
 
     def _least_ratio(self, model: RankedModel, kind: type[Effect]) -> float:
         """Energy left without an effect, by a model with no more effects, over that left with it."""

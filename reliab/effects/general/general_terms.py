@@ -323,23 +323,24 @@ class GrowingSlack(GeneralTerm):
 
 
 def _stopped(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
-    # What the stops add: k·g·(|x|/g − 1)ᵖ beyond the clearance g, against the displacement.
-    beyond = abs(motion[0]) / coefficients[1] - 1.0
+    # What the stops add: k·g·(|x − m|/g − 1)ᵖ beyond the clearance g, against the displacement.
+    place = motion[0] - coefficients[3]
+    beyond = abs(place) / coefficients[1] - 1.0
     if beyond <= 0.0:
         return 0.0
     force = coefficients[0] * coefficients[1] * math.pow(beyond, coefficients[2])
-    return force if motion[0] > 0.0 else -force
+    return force if place > 0.0 else -force
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticStops(GeneralTerm):
-    """A force k·g·sgn(x)·(|x|/g − 1)ᵖ beyond a clearance g on both sides.
+    """A force k·g·sgn(x − m)·(|x − m|/g − 1)ᵖ beyond a clearance g on both sides of their middle m.
 
     Flat stops are linear, p = 1; contact of rounded bodies has p = 1.5 (Hertz 1882, Journal für die reine und
     angewandte Mathematik 92, 156).
     """
 
-    expression: ClassVar[str] = "g sgn(x) (|x|/g − 1)^p beyond |x| = g"
+    expression: ClassVar[str] = "g sgn(x − m) (|x − m|/g − 1)^p beyond |x − m| = g"
     name = "elastic_stops"
     block = Block.SPECIMEN
     role = Role.FORCE
@@ -358,12 +359,17 @@ class ElasticStops(GeneralTerm):
             name="power", units="-", meaning="power with which the force grows",
             typical=1.5, spread=0.3, lower=1.0, upper=3.0, starts=(1.5, 1.5, 1.5, 1.5),
         ),
+        Parameter(
+            name="middle_m", units="m", meaning="middle between the stops", scale=(("displacement", 1.0),),
+            signed=True, typical=0.1, lower=-0.5, upper=0.5, starts=(1e-3, 1e-3, 1e-3, 1e-3),
+        ),
     )  # fmt: skip
     kernel = Kernel(function=_stopped, linear=0, by_path=True)
 
     stiffness_n_per_m: float  # k [N/m]
     clearance_m: float  # g [m]
     power: float  # p [-]
+    middle_m: float = 0.0  # m [m]
 
 
 def _delay(motion: Numbers, _time: float, step: float, coefficients: Numbers, state: Numbers) -> float:
