@@ -24,7 +24,6 @@ from reliab.assessment.faults import (
     faults_of_force,
     repair_recording,
 )
-from reliab.assessment.inference.posterior import TestPosterior
 from reliab.assessment.inference.quantities import QUANTITIES
 from reliab.assessment.judged_test import JudgedTest
 from reliab.assessment.placement import place, place_by_response, scope_of_test
@@ -342,41 +341,30 @@ def _adopt_identified_values(
 ) -> tuple[Question, tuple[str, ...]]:
     """Adopt the damping ratio and the mass that were identified where nobody stated them, and say so.
 
-    `assumed`: that no damping ratio was stated; `is_mass_open`: whether the mass was not stated.
+    `assumed`: that no damping ratio was stated; `is_mass_open`: whether the mass was not stated, which only a
+    force that was used identifies.
     """
     question, error = judged.question, judged.error
+    stated, inferred = dict(question.stated), error.rebuilt.inferred.posterior
     if assumed and error.posterior is not None:
-        question, assumed = _adopt_identified_damping(question, error.posterior)
-    if is_mass_open:
-        question, sentence = _adopt_identified_mass(question, error.rebuilt.inferred.posterior)
-        assumed = (*assumed, *sentence)
-    return question, assumed
-
-
-def _adopt_identified_mass(question: Question, posterior: TestPosterior) -> tuple[Question, tuple[str, ...]]:
-    """Adopt the mass that was identified, and say so; none where the force was not used."""
-    if not posterior.circumstances.specimen_force:
-        return replace(question, stated={k: v for k, v in question.stated.items() if k != "mass"}), ()
-    mass = posterior.identified_value("mass", question.stated["mass"].value)
-    sentence = (
-        f"No mass was stated; the recorded force and ground acceleration show {significant(mass.value, 4)} ± "
-        f"{significant(mass.deviation, 1)} kg."
-    )
-    return replace(question, stated={**question.stated, "mass": mass}), (sentence,)
-
-
-def _adopt_identified_damping(
-    question: Question, posterior: TestPosterior
-) -> tuple[Question, tuple[str, ...]]:
-    """Adopt the damping ratio that was identified, and say so."""
-    ratio = posterior.identified_value("damping_ratio", question.structure.damping_ratio)
-    sentence = (
-        f"No damping ratio was stated; the recording shows {significant(ratio.value, 2)} ± "
-        f"{significant(ratio.deviation, 1)}, where any from 0.005 to 0.1 was possible."
-    )
-    structure = replace(question.structure, damping_ratio=ratio.value)
-    stated_values = {**question.stated, "xi": ratio}
-    return replace(question, structure=structure, stated=stated_values), (sentence,)
+        ratio = error.posterior.identified_value("damping_ratio", question.structure.damping_ratio)
+        question = replace(question, structure=replace(question.structure, damping_ratio=ratio.value))
+        stated["xi"] = ratio
+        sentence = (
+            f"No damping ratio was stated; the recording shows {significant(ratio.value, 2)} ± "
+            f"{significant(ratio.deviation, 1)}, where any from 0.005 to 0.1 was possible."
+        )
+        assumed = (sentence,)
+    if is_mass_open and not inferred.circumstances.specimen_force:
+        del stated["mass"]
+    elif is_mass_open:
+        stated["mass"] = mass = inferred.identified_value("mass", stated["mass"].value)
+        sentence = (
+            "No mass was stated; the recorded force and ground acceleration show "
+            f"{significant(mass.value, 4)} ± {significant(mass.deviation, 1)} kg."
+        )
+        assumed = (*assumed, sentence)
+    return replace(question, stated=stated), assumed
 
 
 def _broaden_damping(question: Question) -> Question:

@@ -128,15 +128,6 @@ class Question:
         """Time by which the force is stated to be fed back late [s]."""
         return self.stated.get("feedback_lag", StatedValue(0.0)).value / MILLI
 
-    def known(self, left_by_faults: Mapping[str, float]) -> PriorKnowledge:
-        """Put together what is known before the channels are weighed; `left_by_faults` [SI units]."""
-        return PriorKnowledge(
-            stated=self.stated,
-            equipment=self.equipment,
-            tolerances=tolerances_of_structure(self.frame, calibrated=self.model is not None),
-            left_by_faults=left_by_faults,
-        )
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorOfTest(PlainResult):
@@ -379,7 +370,12 @@ def error_of_test(
         force=recording.force if question.has_masses and question.model is None else None,
         ignores_force=question.ignores_force,
         force_channel=channel,
-        known=question.known({**_open_filter(recording, question), **(left_by_repairs or {})}),
+        known=PriorKnowledge(
+            stated=question.stated,
+            equipment=question.equipment,
+            tolerances=tolerances_of_structure(question.frame, calibrated=question.model is not None),
+            left_by_faults={**_open_filter(recording, question), **(left_by_repairs or {})},
+        ),
         seed=question.seed,
     )
     if (refusal := refusal_of_unit(rebuilt.ground, recording)) is not None:

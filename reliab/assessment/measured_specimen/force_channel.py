@@ -52,11 +52,6 @@ class ForceChannel:
         return cls(**values)
 
     @property
-    def silent(self) -> bool:
-        """Whether nothing is stated."""
-        return self == ForceChannel()
-
-    @property
     def values(self) -> Array:
         """Lag [s], mass [kg] and friction [N], shape (3,)."""
         return np.array([self.lag_ms.value / MILLI, self.attached_kg.value, self.friction_n.value])
