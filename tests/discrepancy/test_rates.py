@@ -10,7 +10,6 @@ from reliab.discrepancy.blocks.observed import ObservedBlock
 
 RATE, SIZE = 256.0, 4097
 TIME = np.arange(SIZE) / RATE
-MIDDLE = slice(SIZE // 4, 3 * SIZE // 4)
 
 
 def slow(time):

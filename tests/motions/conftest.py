@@ -80,7 +80,6 @@ Values used when parameter or data value is unknown/unspecified:   -999, -999.00
    3.442641e-01
 End-of-data for Chan  1 acceleration
 """
-COSMOS_SAMPLES = [0.3437285, 0.343881, -34.40236, 0.344152, 0.3442641]
 
 AT2 = """PEER NGA STRONG MOTION DATABASE RECORD
 Nowhere-01, 10/18/1989, Testing Station, 90
@@ -89,7 +88,6 @@ NPTS=      7, DT=   .0050 SEC,
    .1000000E+00  -.2000000E+00   .3000000E+00  -.4000000E+00   .5000000E+00
   -.6000000E-01   .7000000E-02
 """
-AT2_SAMPLES = [0.1, -0.2, 0.3, -0.4, 0.5, -0.06, 0.007]
 
 COLUMNS = """# time [s], acceleration [m/s2]
 0.00, 0.1

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 import scipy
 
@@ -55,18 +56,24 @@ def simulate(
 
 
 def _step_loop(driven, omega, ratio, share, gain, late, step):
+    """Responses of the structure, and of the actuator that follows it."""
+    x = _march(driven, omega, ratio, share, gain, late, step)
+    following_part = np.concatenate([np.zeros(late), x[: x.size - late]]) if late else x
+    return x, gain * following_part
+
+
+@numba.njit(cache=True)
+def _march(driven, omega, ratio, share, gain, late, step):
     """March x'' + 2ξωx' + (1 − α)ω²x + αω²·k·x(t − τ) = −a by central differences."""
-    size = driven.size
-    x, v = np.zeros(size), 0.0
+    x, v = np.zeros(driven.size), 0.0
     stiff = (1.0 - share) * omega**2
     own_value, damped_frame = share * omega**2 * gain, ratio * omega * step
-    for i in range(size - 1):
+    for i in range(driven.size - 1):
         back = x[i - late] if i >= late else 0.0
         undamped_frame = -driven[i] - stiff * x[i] - own_value * back
         v = ((1.0 - damped_frame) * v + step * undamped_frame) / (1.0 + damped_frame)
         x[i + 1] = x[i] + step * v
-    following_part = np.concatenate([np.zeros(late), x[: size - late]]) if late else x
-    return x, gain * following_part
+    return x
 
 
 def earthquake(*, duration, time_step, seed, corner=8.0):
