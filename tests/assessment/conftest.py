@@ -93,6 +93,7 @@ def solve_step_by_step(
     ground, step, *, f=1.0, xi=0.02, rate=256.0, seconds=None, db=60.0, seed=0, **rig
 ) -> Simulated:
     """Run the loop with and without errors of its rig, at 16384 steps a second or so."""
+    ground = np.array(ground, dtype=np.float64)  # of one type for the kernel, whoever owns it
     stride = max(round(16384.0 / rate), 1)
     seconds = (ground.size - 1) * step if seconds is None else seconds
     names = ("gain", "lag", "delay", "backlash", "bias", "drift", "lead")
