@@ -84,8 +84,8 @@ def closed_share(gap):
 @pytest.mark.parametrize(
     ("force", "value", "name", "size", "reference"),
     [
-        (textbook, 0.5, "hysteresis", "displacement_m", YIELD * LARGEST),
         (add_friction, 0.3, "hysteresis", "displacement_m", YIELD * LARGEST),
+        (textbook, 0.5, "hysteresis", "displacement_m", YIELD * LARGEST),
         pytest.param(
             *(sliding, 0.2, "coulomb_friction", "force_n", 0.2 * STIFFNESS * YIELD * LARGEST),
             marks=pytest.mark.slow,  # by default the campaign rig_a has dry friction
