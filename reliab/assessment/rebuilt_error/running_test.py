@@ -48,7 +48,7 @@ class RunningSums:
 
     def add(self, error: Array, ideal: Array) -> None:
         """Add the next samples of r and x_I [m], shape (k,) each."""
-        _add_all(self.values, error, ideal, self.size)
+        _add(self.values, error, ideal, self.size)
         self.size += error.size
 
     @property
@@ -85,23 +85,17 @@ class RunningSums:
 
 
 @compiled
-def _add_all(sums: Array, error: Array, ideal: Array, first: int) -> None:
+def _add(sums: Array, errors: Array, ideal: Array, first: int) -> None:
     """Add samples to the sums, in place; `first`: number of the first of them."""
-    for i in range(error.size):
-        _add(sums, error[i], ideal[i], first + i)
-
-
-@compiled
-def _add(sums: Array, error: float, ideal: float, number: int) -> None:
-    """Add a sample to the sums, in place."""
-    if number == 0:
-        sums[1] = 0.5 * error * error
-    sums[0] += error * error
-    sums[2] = max(sums[2], abs(error))
-    sums[3] = max(sums[3], abs(ideal))
-    sums[4] = error
-    if sums[3] > 2.0 * sums[5]:
-        sums[5], sums[6] = sums[3], number
+    for i in range(errors.size):
+        if first + i == 0:
+            sums[1] = 0.5 * errors[i] * errors[i]
+        sums[0] += errors[i] * errors[i]
+        sums[2] = max(sums[2], abs(errors[i]))
+        sums[3] = max(sums[3], abs(ideal[i]))
+        sums[4] = errors[i]
+        if sums[3] > 2.0 * sums[5]:
+            sums[5], sums[6] = sums[3], first + i
 
 
 class RunningResponse:
