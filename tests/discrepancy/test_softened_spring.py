@@ -113,10 +113,11 @@ def test_a_spring_without_memory_is_not_named_softening(tmp_path, power):
 
 
 @pytest.mark.slow
-def test_rubber_of_another_law_is_named_softening_with_its_best_parameters(tmp_path):
+def test_rubber_of_another_law_is_named_softening_and_predicted_better_than_by_it_alone(tmp_path):
     """The stiffness returns along a straight line, and not with a power of the displacement.
 
-    Least squares on force and displacement without noise say which parameters come closest, and how close.
+    Least squares on force and displacement without noise say how close softening alone comes. A spring that
+    bends beside it may come closer.
     """
     largest = 0.0
     moved_by_test, ratios = [], []
@@ -141,8 +142,6 @@ def test_rubber_of_another_law_is_named_softening_with_its_best_parameters(tmp_p
         return ((stiffness - loss * (1.0 - ratio**power)) * displacement - force) / force.std()
 
     closest = optimize.least_squares(miss, [STIFFNESS, 0.4 * STIFFNESS, 2.0], x_scale=[1e4, 1e4, 1.0]).x
-    for estimate, value in zip(effect.estimates, closest[1:], strict=True):
-        assert estimate.value == pytest.approx(value, abs=2.0 * estimate.sd)
     remainder = float(np.sqrt(np.mean(miss(closest, slice(TESTS - 1, None)) ** 2)))
-    assert diagnosis.gap.after == pytest.approx(remainder, rel=0.1)
+    assert diagnosis.gap.after < remainder
     assert diagnosis.gap.after < 0.2 * diagnosis.gap.before
