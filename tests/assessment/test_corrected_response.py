@@ -106,7 +106,10 @@ def coupled_test() -> tuple[FrameAssessment, np.ndarray, np.ndarray]:
 
 
 def _shaken_by(result: FrameAssessment, ground: np.ndarray | None) -> xr.Dataset:
-    return correct_response(replace(result, recording=replace(result.recording, ground=ground)))
+    """Judge and correct the same test with another ground acceleration."""
+    assessment = assess(replace(result.recording, ground=ground), result.frame)
+    assert isinstance(assessment, FrameAssessment)
+    return correct_response(assessment)
 
 
 @pytest.mark.slow
