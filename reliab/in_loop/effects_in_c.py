@@ -131,7 +131,10 @@ class _Function:
 
     def _branch(self, node: ast.If, _depth: int) -> list[str]:
         else_lines = ["} else {", *self._block(node.orelse)] if node.orelse else []
-        return [f"if ({self._value(node.test)}) {{", *self._block(node.body), *else_lines, "}"]
+        condition = self._value(node.test)  # a compiler may refuse a comparison in two pairs of parentheses
+        if not isinstance(node.test, ast.Compare):
+            condition = f"({condition})"
+        return [f"if {condition} {{", *self._block(node.body), *else_lines, "}"]
 
     def _loop(self, node: ast.For, _depth: int) -> list[str]:
         count = node.iter
