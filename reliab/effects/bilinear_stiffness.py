@@ -5,17 +5,16 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from reliab.core.vocabulary import Block
-from reliab.effects.bouc_wen import require_followed
 from reliab.effects.effect import Parameter, Role, SteppedEffect
 from reliab.effects.kernel import Kernel, Numbers
 
-SHARPEST = 30.0
-"""Largest exponent n [-] of the bend, which has a corner then."""
-
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, _state: Numbers) -> float:
+    # 1 + |u|ⁿ is taken over the larger of its parts, so that no exponent takes it out of its range.
     place, exponent = motion[0] / coefficients[1], coefficients[2]
-    return coefficients[0] * place * (math.pow(1.0 + math.pow(abs(place), exponent), -1.0 / exponent) - 1.0)
+    unit = max(1.0, abs(place))
+    ratio = math.pow(min(1.0, abs(place)) / unit, exponent)
+    return coefficients[0] * place * (math.pow(1.0 + ratio, -1.0 / exponent) / unit - 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +68,3 @@ class BilinearStiffness(SteppedEffect):
     force_n: float  # Force f at which the spring bends [N]
     displacement_m: float  # Displacement d at which it bends [m]
     exponent: float = 5.0  # Sharpness n [-] of the bend
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_followed(self.exponent, SHARPEST)

@@ -56,14 +56,11 @@ SHARPEST = 50.0
 """Largest exponent n [-] that the steps follow; above it the force leaves its bounds."""
 
 
-def require_followed(exponent: float, sharpest: float = SHARPEST) -> None:
-    """Refuse an exponent that the steps cannot follow.
-
-    `exponent`, `sharpest` [-].
-    """
-    if exponent > sharpest:
+def require_followed(exponent: float) -> None:
+    """Refuse an exponent [-] that the steps cannot follow."""
+    if exponent > SHARPEST:
         raise InputError(
-            f"The exponent of a hysteresis must be at most {sharpest:g}",
+            f"The exponent of a hysteresis must be at most {SHARPEST:g}",
             value=f"{exponent:g}",
             remedy="Give 20 for a sharp corner",
         )

@@ -13,11 +13,14 @@ _SHARES = (0.2, 0.8)  # with which each bend is tried
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
     # Coefficients: f, d, n, β. State: started, place, and force, over d and f. The force follows the motion
-    # elastically between the curve of loading and that of unloading.
+    # elastically between the curves of loading and unloading, each that of bilinear stiffness.
     place, exponent = motion[0] / coefficients[1], coefficients[2]
     inner = place / max(1.0 - coefficients[3], _LEAST_WIDTH)
-    loading = place * math.pow(1.0 + math.pow(abs(place), exponent), -1.0 / exponent)
-    unloading = place * math.pow(1.0 + math.pow(abs(inner), exponent), -1.0 / exponent)
+    unit, inner_unit = max(1.0, abs(place)), max(1.0, abs(inner))
+    ratio = math.pow(min(1.0, abs(place)) / unit, exponent)
+    inner_ratio = math.pow(min(1.0, abs(inner)) / inner_unit, exponent)
+    loading = place * math.pow(1.0 + ratio, -1.0 / exponent) / unit
+    unloading = place * math.pow(1.0 + inner_ratio, -1.0 / exponent) / inner_unit
     force = state[2] + place - state[1] if state[0] != 0.0 else place
     force = min(max(force, min(loading, unloading)), max(loading, unloading))
     state[0], state[1], state[2] = 1.0, place, force

@@ -69,3 +69,10 @@ def test_the_force_does_not_depend_on_the_steps_of_the_path():
         Motion3.interpolate(X[::20], 20.0 * STEP),
     )
     assert np.abs(fine[::20] - coarse).max() < 2e-3 * YIELD_FORCE
+
+
+@pytest.mark.parametrize("share", [0.0, 0.6])
+def test_a_very_sharp_bend_has_a_corner_and_finite_forces(share):
+    force = force_of(flag_share=share, exponent=1e4)
+    assert force.max() == pytest.approx(YIELD_FORCE, rel=1e-3)
+    assert np.isfinite(force).all()
