@@ -59,8 +59,8 @@ def conclude_frame(judged: JudgedTest) -> FrameAssessment:
     gains = error.rebuilt.readings.tracking[0] if tracking is None else np.array([[tracking.amplitude]])
     limit, limit_of_gains = _limit(frame.partition, carry @ gains @ np.linalg.inv(carry))
     over_frequency = None if tracking is None else _track_over_frequency(judged.sound)
-    degrees, is_sure = frame.partition.degrees_of_freedom, question.may_have_yielded(judged.recording)
-    ground = error.ground.evidence(judged.recording.ground, is_sure=is_sure)
+    degrees, may_yield = frame.partition.degrees_of_freedom, question.may_have_yielded(judged.recording)
+    ground = error.ground.evidence(judged.recording.ground, needs_fit=not may_yield)
     return FrameAssessment(
         **vars(judged),
         responses=errors_of_responses(error, degrees, ground, judged.motion),

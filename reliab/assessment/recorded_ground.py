@@ -13,7 +13,7 @@ import numpy as np
 
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.evidence import main_frequency
-from reliab.assessment.inference.structure_response import interface_forces, respond
+from reliab.assessment.inference.structure_response import apply_at_interface, respond
 from reliab.assessment.recorded_force import SmoothingKernel, other_unit_of_force, unit_like
 from reliab.assessment.verdict import Contradiction
 from reliab.core.arrays import Array, Spectrum
@@ -80,12 +80,12 @@ class ShownGround:
         1.0  # By which it would explain the motion, where its unit is another one than stated
     )
 
-    def evidence(self, ground: _Channel | None, *, is_sure: bool = False) -> _Channel | None:
-        """Return the ground acceleration of the test by its channel [m/s²]; None where it shows nothing.
+    def evidence(self, ground: _Channel | None, *, needs_fit: bool = True) -> _Channel | None:
+        """Return the ground acceleration of the test [m/s²], None where its channel is no evidence.
 
-        `is_sure`: whether it is that of the test although it does not fit the structure, and has only a sign.
+        With `needs_fit` a channel that the structure does not explain is none.
         """
-        return self.sign * ground if ground is not None and (self.fits or is_sure) else None
+        return self.sign * ground if ground is not None and (self.fits or not needs_fit) else None
 
 
 def examine_ground(
@@ -221,13 +221,13 @@ class _GroundFit:
             raise AssertionError  # only a recorded one is compared
         structure = self.structure.scale(frequency=self.frequency, damping_ratio=self.damping_ratio)
         response = respond(structure, channels.band)
-        borne = interface_forces(response.impedance, command)
+        borne = apply_at_interface(response.impedance, command)
         if self.by_force and channels.force is not None:
             acting = channels.force_at_interface(channels.force)
         else:
-            acting = interface_forces(response.impedance, channels.to_interface @ channels.measured)
+            acting = apply_at_interface(response.impedance, channels.to_interface @ channels.measured)
         acting = acting * channels.band.advance(-self.feedback_lag)
-        required_forces = interface_forces(response.stiffness, command) - borne + acting
+        required_forces = apply_at_interface(response.stiffness, command) - borne + acting
         if self.absolute:
             required_forces = required_forces - response.ground_load.T * channels.band.s**2 * command
         highest = _REACH * max(float(self.structure.natural_frequencies[0]), main_frequency(channels))

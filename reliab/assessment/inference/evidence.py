@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from reliab.assessment.inference.cells import fit_excess, fit_variances
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.structure_response import interface_forces, respond
+from reliab.assessment.inference.structure_response import apply_at_interface, respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
@@ -171,7 +171,7 @@ class BalanceOfForces(EvidenceOfChannels):
     def _motion(self) -> Array:
         """Power of the specimen's forces, mixed like balances, shape (rows, J, k)."""
         impedance = self.partition.impedance(self.channels.band.s)
-        force = interface_forces(impedance, self.channels.to_interface @ self.channels.measured)
+        force = apply_at_interface(impedance, self.channels.to_interface @ self.channels.measured)
         mixed = self._unmix @ self.balance(force.T[..., np.newaxis], self.partition)
         power = self.channels.cells(mixed[..., 0].T, self.highest) ** 2
         return np.stack([np.sum(fit_variances(row), axis=0) for row in power])
@@ -241,12 +241,12 @@ def residual(
         foreseen = command - experiment.integration * square * command
     if force is None:
         difference = foreseen - experiment.late(experiment.reading(channels), channels)
-        acting = interface_forces(response.impedance, difference)
+        acting = apply_at_interface(response.impedance, difference)
     else:
-        acting = interface_forces(response.impedance, foreseen) - experiment.late(force, channels)
+        acting = apply_at_interface(response.impedance, foreseen) - experiment.late(force, channels)
     if experiment.slip is not None:
-        acting = acting + interface_forces(response.impedance, experiment.slip)
-    return np.asarray(interface_forces(response.stiffness, driven) - acting)
+        acting = acting + apply_at_interface(response.impedance, experiment.slip)
+    return np.asarray(apply_at_interface(response.stiffness, driven) - acting)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -434,7 +434,7 @@ class SpecimenForce(BalanceOfForces):
         if force is None:
             raise AssertionError  # evidence of a force needs one
         impedance = experiment.structure(self.partition).impedance(self.channels.band.s)
-        return np.asarray(force - interface_forces(impedance, experiment.reading(self.channels)))
+        return np.asarray(force - apply_at_interface(impedance, experiment.reading(self.channels)))
 
     def noise_level(self, experiment: Experiment, share: Array) -> Array:
         """Logarithm of the noise of displacement sensors and load cell, over that as stated."""
@@ -446,7 +446,7 @@ class SpecimenForce(BalanceOfForces):
     def _load_cell_shares(self) -> Array:
         """Share of each load cell in its noise of each residual, by columns of cells, shape (k, rows, p)."""
         carry, impedance = self.channels.to_interface, self.partition.impedance(self.channels.band.s)
-        forces = carry.T @ interface_forces(impedance, carry @ self.channels.measured)
+        forces = carry.T @ apply_at_interface(impedance, carry @ self.channels.measured)
         noise = np.linalg.inv(carry.T) * self.channels.band.history(forces).std(axis=-1)
         power = np.abs(self._unmix[self._places] @ noise) ** 2 + np.finfo(float).tiny
         return np.asarray(power / power.sum(axis=-1, keepdims=True))

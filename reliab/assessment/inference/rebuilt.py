@@ -20,7 +20,7 @@ import numpy as np
 from reliab.assessment.inference.band import AnalysisBand
 from reliab.assessment.inference.channel_spectra import ChannelSpectra
 from reliab.assessment.inference.experiment import Experiment
-from reliab.assessment.inference.structure_response import StructureResponse, interface_forces, respond
+from reliab.assessment.inference.structure_response import StructureResponse, apply_at_interface, respond
 from reliab.core.arrays import Array, Spectrum
 from reliab.structures.partition import Partition
 
@@ -45,7 +45,7 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
     response = respond(structure, channels.band)
     displacement = experiment.displacement(channels)
     difference = channels.interface_command - experiment.late(displacement, channels)
-    error = interface_forces(response.compliance, interface_forces(response.impedance, difference))
+    error = apply_at_interface(response.compliance, apply_at_interface(response.impedance, difference))
     if experiment.initial_displacement or experiment.initial_velocity:
         error = error + channels.band.from_laplace(_free_vibration(structure, experiment, channels.band.s))
     standing_part = np.multiply.outer(channels.standing, channels.constant)
@@ -57,8 +57,8 @@ def rebuild(channels: ChannelSpectra, partition: Partition, experiment: Experime
 def error_of_command(structure: Partition, band: AnalysisBand, difference: Array) -> Array:
     """Error x_c − x_I [m] that a history of x_c − x_f at the interface [m] causes, both shape (p, n)."""
     response = respond(structure, band)
-    forces = interface_forces(response.impedance, band.spectrum(np.atleast_2d(difference)))
-    return band.full_history(interface_forces(response.compliance, forces))
+    forces = apply_at_interface(response.impedance, band.spectrum(np.atleast_2d(difference)))
+    return band.full_history(apply_at_interface(response.compliance, forces))
 
 
 def _free_vibration(structure: Partition, experiment: Experiment, s: Spectrum) -> Spectrum:

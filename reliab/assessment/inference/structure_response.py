@@ -73,11 +73,15 @@ def respond(partition: Partition, frequencies: Frequencies) -> StructureResponse
     )
 
 
-def interface_forces(impedance: Spectrum, displacement: Spectrum) -> Spectrum:
-    """Return forces [N] of displacements at the interface [m], or these of forces, each shape (p, K)."""
-    if impedance.shape[-1] == 1:
-        return np.asarray(impedance[:, 0].T * displacement)
-    return np.asarray((impedance @ displacement.T[..., np.newaxis])[..., 0].T)
+def apply_at_interface(matrices: Spectrum, values: Spectrum) -> Spectrum:
+    """Return matrices · values at each frequency, shape (p, K).
+
+    `matrices` has shape (K, p, p), `values` (p, K): impedances give the forces [N] of displacements [m],
+    compliances the displacements of forces.
+    """
+    if matrices.shape[-1] == 1:
+        return np.asarray(matrices[:, 0].T * values)
+    return np.asarray((matrices @ values.T[..., np.newaxis])[..., 0].T)
 
 
 def _respond_by_poles(structure: Partition, s: Spectrum, outputs: Array, inputs: Array) -> Spectrum:
