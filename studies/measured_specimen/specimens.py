@@ -55,6 +55,24 @@ def _fluid_damper(x: float, moved: float, rate: float, step: float, s: Array, p:
 
 
 @compiled
+def _damper_behind_a_spring(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
+    """Stand a spring beside a braced damper of a power of the velocity, in implicit small steps."""
+    stiffness, damper, power = p[0], p[1], p[2]
+    for _ in range(8):
+        reached = s[0] + stiffness * moved / 8.0
+        least, most = min(reached, 0.0), max(reached, 0.0)
+        for _trial in range(40):
+            force = 0.5 * (least + most)
+            slipped = math.copysign((abs(force) / damper) ** (1.0 / power), force) * 6.28 * step / 8.0
+            if force + stiffness * slipped < reached:
+                least = force
+            else:
+                most = force
+        s[0] = 0.5 * (least + most)
+    return float(0.5 * x + s[0])
+
+
+@compiled
 def _bilinear(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
     s[0] = min(max(s[0] + moved, -1.0), 1.0)
     return float(p[0] * x + (1.0 - p[0]) * s[0])
@@ -251,11 +269,12 @@ def _make_hinged_strut(x: float, moved: float, rate: float, step: float, s: Arra
     _RAMBERG,
     _MR,
     _STRUT,
-) = range(14)
+    _BRACED_DAMPER,
+) = range(15)
 
 
 @compiled
-def resist(  # noqa: C901, PLR0911 - one branch for each law
+def resist(  # noqa: C901, PLR0911, PLR0912 - one branch for each law
     law: int, x: float, moved: float, rate: float, step: float, s: Array, p: Array
 ) -> float:
     """Force of a specimen at the end of a step; see the module."""
@@ -283,6 +302,8 @@ def resist(  # noqa: C901, PLR0911 - one branch for each law
         return _mr_damper(x, moved, rate, step, s, p)
     if law == _STRUT:
         return _make_hinged_strut(x, moved, rate, step, s, p)
+    if law == _BRACED_DAMPER:
+        return _damper_behind_a_spring(x, moved, rate, step, s, p)
     return _cubic(x, moved, rate, step, s, p)
 
 
@@ -319,6 +340,10 @@ FAMILIES: Final[Mapping[str, tuple[int, Callable[[np.random.Generator], list[flo
     "hinged strut": (
         _STRUT,
         lambda draw: [draw.uniform(0.5, 1.5), draw.uniform(0.3, 0.7), draw.uniform(0.04, 0.1)],
+    ),
+    "fluid damper behind a spring": (
+        _BRACED_DAMPER,
+        lambda draw: [draw.uniform(0.5, 3.0), draw.uniform(0.3, 1.0), draw.uniform(0.3, 0.8)],
     ),
 }
 """Families of specimens: their law, and how their parameters are drawn."""

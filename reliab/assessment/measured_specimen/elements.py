@@ -6,7 +6,8 @@ coefficients [N/m] that are not negative. The elements are
 - elastic-plastic springs, of which many in parallel are the distributed-element model of Iwan (1966, Journal
   of Applied Mechanics 33, 893) and contain the rule of Masing,
 - springs that harden, springs behind a gap on both sides or on one,
-- dashpots of several powers of the velocity, and springs in series with a dashpot (Maxwell),
+- dashpots of several powers of the velocity, and springs in series with a dashpot (Maxwell), whose force may
+  grow with a power of the velocity, as in a fluid damper behind a brace,
 - smooth hysteresis with elastic unloading (Bouc and Wen),
 - springs that soften with the largest excursion so far, gaps that open with it, and reloading towards the
   largest excursion (Clough and Johnston 1966),
@@ -17,7 +18,7 @@ coefficients [N/m] that are not negative. The elements are
 - four laws of hysteresis with traits that are searched for (`hysteresis`).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Final
@@ -38,7 +39,6 @@ from reliab.core.arrays import Array
 from reliab.core.compiled import compiled
 
 _FAR = 10.0  # times the largest displacement, beyond which nothing yields
-_LINEAR = 1e6  # times the largest displacement: an elastic-plastic spring that never yields
 _RESPONSE_LIMIT = 1e3  # times the largest command, within which a response stays
 _STATES = 6
 _SLOW = 1e-3  # of the largest speed, below which a dashpot is linear
@@ -68,6 +68,7 @@ class Kind(IntEnum):
     FROM_REVERSALS = 17
     STRUT = 18
     SELF_CENTRING = 19
+    FLUID_DAMPER = 20
 
 
 _SCALABLE: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
@@ -90,6 +91,22 @@ def _smooth(size: float, shape: float, increment: float, state: Array) -> float:
             force = (force + way) / (1.0 + force * way)
     state[0] = sign * force
     return float(state[0] * size)
+
+
+@compiled
+def _stretch(size: float, shape: float, increment: float, relaxation: float, state: Array) -> float:
+    """Stretch a spring behind a dashpot of a power below one: half the step before it yields, half after.
+
+    `relaxation` [m]: way of the dashpot during a step when the spring is stretched by `size`. Without motion
+    the stretch u follows u' = −sgn(u)·(|u|/size)^(1/shape), solved exactly.
+    """
+    stretch = state[0] + 0.5 * increment
+    power = 1.0 / shape - 1.0
+    if stretch != 0.0:
+        left = (abs(stretch) / size) ** -power + power * relaxation / size
+        stretch = np.copysign(size * left ** (-1.0 / power), stretch)
+    state[0] = stretch + 0.5 * increment
+    return float(state[0])
 
 
 @compiled
@@ -129,6 +146,8 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
     if kind == Kind.MAXWELL:
         state[0] = state[0] * np.exp(-step / size) + increment
         return float(state[0])
+    if kind == Kind.FLUID_DAMPER:
+        return _stretch(size, shape, increment, speed * step, state)
     if kind == Kind.GAP:
         return position - min(max(position, -size), size)
     if kind == Kind.GAP_ABOVE:
@@ -372,11 +391,11 @@ class Elements:
                 (1.0 / ratio, 1.0, ratio) if Kind(kind) in _SCALABLE and 0.0 < size < _FAR * peak else (1.0,)
             )
         ]
-        return _elements(rows, self.speed)
+        return list_elements(rows, self.speed)
 
 
-def _elements(rows: list[tuple[int, float, float]], speed: float) -> Elements:
-    """Elements of kind, size and shape, each once."""
+def list_elements(rows: Iterable[tuple[int, float, float]], speed: float) -> Elements:
+    """Elements of kind, size and shape, each once; `speed` at which a dashpot gives its size [m/s]."""
     once = {
         (kind, np.sign(size), round(np.log(abs(size) + 1e-300) / np.log(_FINER)), shape): (kind, size, shape)
         for kind, size, shape in rows
@@ -390,53 +409,6 @@ def _elements(rows: list[tuple[int, float, float]], speed: float) -> Elements:
     )
 
 
-_YIELDS = (0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
-_YIELDS_OF_OTHERS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 1.0)
-_GAPS = tuple(np.arange(0.05, 1.0, 0.05).tolist())
-_TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
-_POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
-_FLAGS = (0.0, 0.25, 0.5, 0.75, 1.0)  # share of the yield force by which a flag unloads lower
-_POWERS_OF_MULLINS = (0.5, 1.0, 2.0, 4.0)
-
-LINEAR: Final = "linear"
-"""The family of a spring and a dashpot."""
-
-FAMILIES: Final[Mapping[str, str]] = {
-    LINEAR: "a spring and a dashpot",
-    "plain": "elastic-plastic springs, hardening and dashpots",
-    "gaps": "elastic-plastic springs, hardening, dashpots and gaps",
-    "flags": "elastic-plastic springs, hardening, dashpots and springs that return to where they began",
-    "smooth": "elastic-plastic springs, hardening, dashpots and smooth hysteresis",
-    "memory": "the same with smooth hysteresis and memory of the largest excursion",
-    "all": "all elements",
-    "laws": "springs, dashpots and four laws of hysteresis",
-    "everything": "all elements and four laws of hysteresis",
-}
-"""Families of elements, each with what it holds."""
-
-
-def elements_of_family(name: str, displacement: float, speed: float) -> Elements:
-    """Elements of a family for the largest displacement [m] and speed [m/s] of a test."""
-    if name == LINEAR:
-        return _elements(list(_linear(displacement)), speed)
-    if name == "laws":
-        return _elements(list(_laws_base(displacement)), speed)
-    rows = list(_plain(displacement))
-    if name in {"gaps", "all"}:
-        rows += _gaps(displacement)
-    if name in {"flags", "all"}:
-        sizes = [x * displacement for x in _YIELDS_OF_OTHERS]
-        rows += [(Kind.SELF_CENTRING, size, share) for size in sizes for share in _FLAGS]
-    if name in {"smooth", "memory", "all"}:
-        rows += [(Kind.SMOOTH, x * displacement, n) for x in _YIELDS_OF_OTHERS for n in (1.0, 2.0)]
-    if name in {"memory", "all"}:
-        rows += _memory_elements(displacement)
-    if name == "all":
-        yields = [*(x * displacement for x in _YIELDS_OF_OTHERS), _LINEAR * displacement]
-        rows += [(Kind.WEAKENING, size, shape) for size in yields for shape in (0.0, 1.0)]
-    return _elements(rows, speed)
-
-
 def law_with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Elements:
     """One law of hysteresis."""
     return Elements(
@@ -446,50 +418,3 @@ def law_with_traits(kind: Kind, size: float, traits: Array, speed: float) -> Ele
         speed=speed,
         traits=np.pad(traits, (0, TRAITS - traits.size))[np.newaxis],
     )
-
-
-def _linear(displacement: float) -> Iterator[tuple[int, float, float]]:
-    yield Kind.ELASTIC_PLASTIC, _LINEAR * displacement, 0.0
-    yield Kind.DASHPOT, displacement, 1.0
-    for sign in (1.0, -1.0):
-        yield Kind.CONSTANT, sign * displacement, 0.0
-
-
-def _laws_base(displacement: float) -> Iterator[tuple[int, float, float]]:
-    yield from _linear(displacement)
-    for kind in (Kind.CUBIC, Kind.QUINTIC):
-        yield kind, displacement, 0.0
-    yield Kind.DASHPOT, displacement, 0.35
-    for time in (0.03, 0.3):
-        yield Kind.MAXWELL, time, 0.0
-
-
-def _plain(displacement: float) -> Iterator[tuple[int, float, float]]:
-    for share in (_LINEAR, *_YIELDS):  # linear first: of springs that did not yield it is kept
-        yield Kind.ELASTIC_PLASTIC, share * displacement, 0.0
-    for sign in (1.0, -1.0):
-        yield Kind.CONSTANT, sign * displacement, 0.0
-    for kind in (Kind.CUBIC, Kind.QUINTIC):
-        yield kind, displacement, 0.0
-    for power in _POWERS:
-        yield Kind.DASHPOT, displacement, power
-    for time in _TIMES:
-        yield Kind.MAXWELL, time, 0.0
-
-
-def _gaps(displacement: float) -> Iterator[tuple[int, float, float]]:
-    for share in _GAPS:
-        yield Kind.GAP, share * displacement, 0.0
-    for share in (0.0, *_GAPS[::2]):
-        for kind in (Kind.GAP_ABOVE, Kind.GAP_BELOW):
-            yield kind, share * displacement, 0.0
-
-
-def _memory_elements(displacement: float) -> Iterator[tuple[int, float, float]]:
-    for share in _YIELDS_OF_OTHERS:
-        for kind in (Kind.SOFTENING, Kind.PEAK_ORIENTED):
-            yield kind, share * displacement, 0.0
-    for power in _POWERS_OF_MULLINS:
-        yield Kind.MULLINS, displacement, power
-    for share in (0.2, 0.4, 0.6, 0.8):
-        yield Kind.OPENING_GAP, share, 0.0

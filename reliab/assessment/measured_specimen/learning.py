@@ -20,14 +20,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from reliab.assessment.measured_specimen.elements import (
-    FAMILIES,
-    LINEAR,
-    Elements,
-    Kind,
-    elements_of_family,
-    law_with_traits,
-)
+from reliab.assessment.measured_specimen.elements import Elements, Kind, law_with_traits
+from reliab.assessment.measured_specimen.families import FAMILIES, LINEAR, elements_of_family
 from reliab.assessment.measured_specimen.hysteresis import (
     PEAK_TRAITS,
     REVERSAL_TRAITS,
@@ -157,7 +151,6 @@ _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
 _UNSEEN = 1e-3  # of the largest displacement, up to which nothing is known of an element that moved so far
-_REFINED_FAMILIES = ("plain", "gaps", "flags", "smooth", "memory", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -309,8 +302,8 @@ def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
     laws_found = search_laws(path)
     laws = reduce(Elements.append, (law.elements() for law in laws_found))
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
-    elements |= {family: _refine_sizes(path, elements[family]) for family in _REFINED_FAMILIES}
-    elements |= {"laws": elements["laws"].append(laws), "everything": elements["all"].append(laws)}
+    elements["elements"] = _refine_sizes(path, elements["elements"])
+    elements |= {"laws": elements["laws"].append(laws), "all": elements["elements"].append(laws)}
     specimens = [_learn_family(path, family, elements[family], laws_found) for family in FAMILIES]
     misfit_limit = max(_LINEAR_TOLERANCE * min(specimen.held_out for specimen in specimens), _LEAST_PART)
     return sorted(
