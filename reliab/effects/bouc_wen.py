@@ -13,9 +13,9 @@ _SLIP_WIDTH = 0.2  # of the yield force
 
 
 def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, state: Numbers) -> float:
-    # Coefficients: f, d, γ, n, share that the spring lost, δ_η, δ_ν, ζ.
-    # State: started, displacement, z, dissipated energy over f·d. The path of the displacement decides, not
-    # its speed.
+    # Coefficients: f, d, γ, n, share that the spring lost, δ_η, δ_ν, ζ, share of f that rest takes, and the
+    # speed to which it takes it. State: started, displacement, z, dissipated energy over f·d. The path of the
+    # displacement decides, and its speed only where rest takes a share.
     gamma, exponent = coefficients[2], coefficients[3]
     beta = 1.0 - gamma - 2.0 * min(gamma, 0.0) ** 2
     travel = (motion[0] - state[1]) / coefficients[1] if state[0] != 0.0 else 0.0
@@ -49,6 +49,8 @@ def _force(motion: Numbers, _time: float, _step: float, coefficients: Numbers, s
             break
     energy = max(energy + ahead * increment * z, 0.0)  # it yields to the end of the step
     state[0], state[1], state[2], state[3] = 1.0, motion[0], z, energy
+    if coefficients[8] != 0.0:
+        z *= 1.0 - coefficients[8] * math.exp(-abs(motion[1]) / coefficients[9])
     return coefficients[0] * (z - coefficients[4] * motion[0] / coefficients[1])
 
 
@@ -67,4 +69,8 @@ def require_followed(exponent: float) -> None:
 
 
 BOUC_WEN = Kernel(function=_force, states=4, linear=0, by_path=True)
-"""Kernel of eight coefficients: those of a hysteresis, then growth of flexibility, fall of strength, slip."""
+"""Kernel of ten coefficients: those of a hysteresis, then growth of flexibility, fall of strength, slip, and
+two zeros."""
+
+SLIDING = Kernel(function=_force, states=4, linear=0)
+"""The same, whose last coefficients are the share of the force that rest takes, and a speed."""

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from reliab.core.arrays import Array
 from reliab.effects.effect import Parameter, Setting
 from reliab.effects.hysteresis import Hysteresis
@@ -58,6 +60,6 @@ class DegradingHysteresis(Hysteresis):
     slip: float = 0.0  # ζ [-], share of the stiffness that is missing about z = 0, from 0 to 0.95
 
     def coefficients(self, setting: Setting) -> Array:
-        """Return the parameters."""
+        """Return the parameters and two zeros, for no effect of the speed."""
         del setting
-        return self.values
+        return np.concatenate([self.values, np.zeros(2)])

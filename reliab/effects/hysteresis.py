@@ -107,6 +107,6 @@ class Hysteresis(SteppedEffect):
         return self.gamma / (1.0 - self.gamma - 2.0 * min(self.gamma, 0.0) ** 2)
 
     def coefficients(self, setting: Setting) -> Array:
-        """Return the parameters and three zeros, for no loss and no slip."""
+        """Return the parameters and five zeros, for no loss, no slip and no effect of the speed."""
         del setting
-        return np.concatenate([self.values, np.zeros(3)])
+        return np.concatenate([self.values, np.zeros(5)])

@@ -4,12 +4,14 @@ from typing import Any
 
 from reliab.core.registry import Registry
 from reliab.effects.added_mass import AddedMass
+from reliab.effects.attached_oscillator import AttachedOscillator
 from reliab.effects.backlash import Backlash
 from reliab.effects.bilinear_stiffness import BilinearStiffness
 from reliab.effects.coulomb_friction import CoulombFriction
 from reliab.effects.cubic_stiffness import CubicStiffness
 from reliab.effects.degrading_hysteresis import DegradingHysteresis
 from reliab.effects.delay_drift import DelayDrift
+from reliab.effects.directional_damping import DirectionalDamping, DirectionalPowerLawDamping
 from reliab.effects.directional_delay import DirectionalDelay
 from reliab.effects.directional_friction import DirectionalFriction
 from reliab.effects.effect import Effect
@@ -22,6 +24,7 @@ from reliab.effects.hysteresis import Hysteresis
 from reliab.effects.hysteresis_with_play import HysteresisWithPlay
 from reliab.effects.integration_error import IntegrationError
 from reliab.effects.magnetorheological_damper import MagnetorheologicalDamper
+from reliab.effects.masing_hysteresis import MasingHysteresis
 from reliab.effects.nonlinear_maxwell import NonlinearMaxwell
 from reliab.effects.power_law_damping import PowerLawDamping
 from reliab.effects.quadratic_damping import QuadraticDamping
@@ -36,6 +39,7 @@ from reliab.effects.series_play import SeriesPlay
 from reliab.effects.softening import Damage, Softening
 from reliab.effects.stroke_saturation import CommandSaturation, StrokeSaturation
 from reliab.effects.time_step_error import TimeStepError
+from reliab.effects.velocity_dependent_friction import VelocityDependentFriction
 from reliab.effects.viscoelastic_branch import TwoViscoelasticBranches, ViscoelasticBranch
 from reliab.effects.viscous_damping import ViscousDamping
 
@@ -61,11 +65,15 @@ _SHIPPED: tuple[type[Effect], ...] = (
     CoulombFriction,
     DirectionalFriction,
     ViscousDamping,
+    DirectionalDamping,
     QuadraticDamping,
     PowerLawDamping,
+    DirectionalPowerLawDamping,
     NonlinearMaxwell,
     Hysteresis,
     DegradingHysteresis,
+    VelocityDependentFriction,
+    MasingHysteresis,
     HysteresisWithPlay,
     BilinearStiffness,
     SelfCentring,
@@ -75,6 +83,7 @@ _SHIPPED: tuple[type[Effect], ...] = (
     Softening,
     Damage,
     AddedMass,
+    AttachedOscillator,
     Gap,
     ExcitationScale,
     TimeStepError,

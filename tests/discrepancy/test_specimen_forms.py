@@ -137,6 +137,68 @@ def test_line_counts_unless_it_is_far_below_the_noise(tmp_path, share, verdict):
     assert diagnosis["verdict"] == verdict
 
 
+def damp_by_direction(displacement):
+    """Spring beside a linear damper that is 1.4 times as strong forwards, and 0.6 times backwards [N]."""
+    velocity = np.gradient(displacement, 1.0 / RATE)
+    return STIFFNESS * displacement + 2000.0 * velocity * (1.0 + 0.4 * np.sign(velocity))
+
+
+def slide_on_bearings(displacement):
+    """Pendulum bearing whose friction of 400 N falls to 200 N where it slides slowly [N]."""
+    velocity, stretch, forces = np.gradient(displacement, 1.0 / RATE), 0.0, []
+    for step, speed in zip(np.diff(displacement, prepend=0.0), np.abs(velocity), strict=True):
+        stretch = min(max(stretch + step / (0.03 * LARGEST), -1.0), 1.0)
+        forces.append(400.0 * (1.0 - 0.5 * np.exp(-speed / (0.1 * np.abs(velocity).max()))) * stretch)
+    return 0.3 * STIFFNESS * displacement + np.array(forces)
+
+
+def yield_gradually(displacement, springs=300):
+    """Hyperbola x/(1 + |x|/d) as elastic-plastic springs in parallel, by its second derivative [N]."""
+    unit = 0.3 * LARGEST
+    limits = np.geomspace(1e-3, 50.0, springs)
+    slopes = 1.0 / (1.0 + limits) ** 2
+    shares, stretches, forces = -np.diff(slopes, append=0.0), np.zeros(springs), []
+    for step in np.diff(displacement, prepend=0.0) / unit:
+        stretches = np.clip(stretches + step, -limits, limits)
+        forces.append(STIFFNESS * unit * float(shares @ stretches))
+    return np.array(forces)
+
+
+def carry_a_tuned_mass(displacement, mass=30.0, frequency=1.2, ratio=0.05, parts=20):
+    """Spring that carries a mass on a spring and a damper of its own, by small steps [N]."""
+    rate, step = 2.0 * np.pi * frequency, 1.0 / RATE / parts
+    place, speed, forces = 0.0, 0.0, []
+    for x, velocity in zip(
+        displacement.tolist(), np.gradient(displacement, 1.0 / RATE).tolist(), strict=True
+    ):
+        for _ in range(parts):
+            pull = 2.0 * ratio * rate * (velocity - speed) + rate**2 * (x - place)
+            speed += step * pull
+            place += step * speed
+        forces.append(mass * pull)
+    return 0.1 * STIFFNESS * displacement + np.array(forces)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("force", "name", "parameter", "reference"),
+    [
+        (carry_a_tuned_mass, "attached_oscillator", "frequency_hz", 1.2),
+        (damp_by_direction, "directional_damping", "asymmetry", 0.4),
+        (slide_on_bearings, "velocity_dependent_friction", "slow_share", 0.5),
+        (yield_gradually, "hysteresis", "displacement_m", 0.3 * LARGEST),
+    ],
+)
+def test_special_form_is_named_where_the_simple_effect_leaves_more_than_noise(
+    tmp_path, force, name, parameter, reference
+):
+    diagnosis = diagnose(write_tests(tmp_path, "", force)).to_dict()
+    (effect,) = diagnosis["effects"]
+    assert (diagnosis["verdict"], effect["name"]) == ("named", name)
+    assert effect["parameters"][parameter]["value"] == pytest.approx(reference, rel=0.15)
+    assert diagnosis["gap"]["nrmse_after"] < 0.1 * diagnosis["gap"]["nrmse_linear"]
+
+
 def slide_behind_play(displacement, slip=(900.0, 600.0), stiffness=1.0e6, play=0.08 * LARGEST):
     """Sliding joint on an elastic brace whose pins have clearance: no force while it is crossed [N]."""
     slid, forces = 0.0, []

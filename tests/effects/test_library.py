@@ -49,6 +49,20 @@ def test_effects_keep_the_names_that_files_hold():
     assert set(library()) >= NAMES
 
 
+def test_attached_mass_swings_as_its_equation_says():
+    rate, ratio = 2.0 * np.pi * 1.3, 0.04
+    x = CubicSpline(TIME, X)
+
+    def swing(time, state):
+        pull = 2.0 * ratio * rate * (x(time, 1) - state[1]) + rate**2 * (x(time) - state[0])
+        return [state[1], pull]
+
+    place = solve_ivp(swing, (0.0, TIME[-1]), [0.0, x(0.0, 1)], t_eval=TIME, rtol=1e-8, atol=1e-10).y
+    expected = 3.0 * np.array([swing(*row)[1] for row in zip(TIME, place.T, strict=True)])
+    force = force_of("attached_oscillator", mass_kg=3.0, frequency_hz=1.3, damping_ratio=ratio)
+    np.testing.assert_allclose(force, expected, atol=2e-3 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("name", list(library()))
 def test_values_and_coordinates_make_a_round_trip(name):
     effect = library()[name]
@@ -107,6 +121,8 @@ def test_scales_of_parameters_have_the_dimension_of_their_units(name):
         ("hysteresis", "lost_share", 1.0),
         ("degrading_hysteresis", "lost_share", 1.0),
         ("directional_friction", "asymmetry", 1.0),
+        ("directional_damping", "asymmetry", 1.0),
+        ("directional_power_law_damping", "asymmetry", 1.0),
         ("hysteresis_with_play", "lost_share", 1.0),
     ],
 )
@@ -132,6 +148,16 @@ FORCES = [
         "power_law_damping",
         {"coefficient": 2.0, "exponent": 0.5},
         lambda _x, v, _a: 2.0 * np.sign(v) * np.sqrt(np.abs(v)),
+    ),
+    (
+        "directional_damping",
+        {"damping_n_s_per_m": 5.0, "asymmetry": 0.4},
+        lambda _x, v, _a: np.where(v > 0.0, 7.0, 3.0) * v,
+    ),
+    (
+        "directional_power_law_damping",
+        {"coefficient": 2.0, "exponent": 0.5, "asymmetry": -0.25},
+        lambda _x, v, _a: np.where(v > 0.0, 1.5, 2.5) * np.sign(v) * np.sqrt(np.abs(v)),
     ),
     (
         "directional_friction",

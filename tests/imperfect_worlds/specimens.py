@@ -123,10 +123,13 @@ def orifice(time, x, v, reach, speed, rng):
 
 SPECIMENS = {
     "dahl": (dahl, {"hysteresis", "coulomb_friction", "degrading_hysteresis"}),
-    "lugre": (lugre, {"coulomb_friction", "hysteresis", "directional_friction"}),
+    "lugre": (
+        lugre,
+        {"coulomb_friction", "hysteresis", "directional_friction", "velocity_dependent_friction"},
+    ),
     "bouc_wen_hardening": (bouc_wen_hardening, {"hysteresis", "degrading_hysteresis"}),
     "baber_noori": (baber_noori, {"hysteresis", "degrading_hysteresis"}),
-    "stribeck": (stribeck, {"coulomb_friction", "directional_friction"}),
+    "stribeck": (stribeck, {"coulomb_friction", "directional_friction", "velocity_dependent_friction"}),
     "bilinear_gap": (bilinear_gap, {"gap"}),
     "shear_thinning": (shear_thinning, {"power_law_damping"}),
     "rubber": (rubber, {"cubic_stiffness"}),

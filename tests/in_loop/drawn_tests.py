@@ -205,6 +205,19 @@ def effects(kind, peak, stiffness, frequency):
         "coulomb_friction": friction,
         "directional_friction": {**friction, "asymmetry": 0.2},
         "viscous_damping": {"damping_n_s_per_m": 0.05 * stiffness / frequency},
+        "directional_damping": {"damping_n_s_per_m": 0.05 * stiffness / frequency, "asymmetry": 0.3},
+        "directional_power_law_damping": {
+            "coefficient": 0.05 * force / speed**0.4,
+            "exponent": 0.4,
+            "asymmetry": 0.3,
+        },
+        "velocity_dependent_friction": {**yields, "slow_share": 0.5, "speed_m_per_s": 0.2 * speed},
+        "masing_hysteresis": {**yields, "exponent": 1.0},
+        "attached_oscillator": {
+            "mass_kg": 0.05 * stiffness / frequency**2,
+            "frequency_hz": 1.2 * frequency / (2.0 * np.pi),
+            "damping_ratio": 0.05,
+        },
         "quadratic_damping": {"coefficient_n_s2_per_m2": 0.1 * force / speed**2},
         "power_law_damping": {"coefficient": 0.05 * force / speed**0.4, "exponent": 0.4},
         "nonlinear_maxwell": {

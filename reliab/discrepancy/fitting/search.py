@@ -340,7 +340,9 @@ class Search:
     def run(self, begin: Fit | None = None) -> Fit:
         """Search the library, and terms outside it where one of them would explain the remainder."""
         block = self.problem.block
-        library_model = self.forward(begin or self.null, self.candidates)
+        self.forward(begin or self.null, self.candidates)
+        self.refine()
+        library_model = self.best
         general_terms = (*block.outside, *line_terms(self.problem, library_model)) if block.outside else ()
         remaining = self.screen(library_model, general_terms)
         if not remaining or remaining[0].gain < self.noticeable(library_model):
@@ -429,6 +431,8 @@ class Search:
             if special.refines is not kind:
                 continue
             space = ModelSpace(best.space.block, (*other_effects, special))
+            if space.key in self.fitted or space.key in self.rejected:
+                continue
             starts = space.replace_effect(best.space, best.coordinates, kind, special)
             residuals = [self.problem.whiten(space, start, best.noise) for start in starts]
             if not self._promises_gain(best, residuals):

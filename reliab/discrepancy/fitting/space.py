@@ -179,8 +179,8 @@ class ModelSpace:
     ) -> list[Array]:
         """Coordinates in which a special form stands in an effect's place, from those with the effect.
 
-        A composition may be far from its first member alone: it starts from its own values, too, with the
-        member's first parameter, its size.
+        A composition may be far from its first member alone, and another law from the effect that it stands
+        for: they start from their own values, too, with the first parameter of the effect, its size.
         """
         own, size = f"{special.name}.", f"{special.name}.{special.parameters[0].name}"
         values = {
@@ -188,7 +188,7 @@ class ModelSpace:
             for key, value in zip(base.keys, base.values(coordinates).tolist(), strict=True)
         }
         bases = [values]
-        if special.members:
+        if special.members or (special.refines is kind and not issubclass(special, kind)):
             other_values = {k: v for k, v in values.items() if k == size or not k.startswith(own)}
             further = [parameter for parameter in special.parameters if parameter not in kind.parameters]
             bases += [other_values] * max(len(parameter.starts) for parameter in further)

@@ -15,7 +15,7 @@ from reliab.effects.kernel import Kernel, call_kernel, pointer_to
 from reliab.signals.cubic_path import CubicPath
 from reliab.simulation.hybrid_test.model import HybridTest
 
-STATES = 16
+STATES = 40
 """Largest state of an effect."""
 
 
