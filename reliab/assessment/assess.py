@@ -52,8 +52,8 @@ if TYPE_CHECKING:
 AnyAssessment: TypeAlias = "Assessment | FrameAssessment"
 
 _LEARNED_NOTE = (
-    "The recorded force is that of a nonlinear specimen, which was therefore learned from it, as with "
-    "`specimen` measured. State it as linear if it was."
+    "The recorded force is not that of a spring with a dashpot. The specimen was therefore learned from it, "
+    "as with `specimen` measured. State it as linear if it was."
 )
 _ANY_RATIO = 0.86  # of a ratio that nobody stated, as of one that lies anywhere from 0.5 to 10 %
 _ANY_MASS = 0.2  # standard deviation of a mass that nobody stated, over its rough estimate

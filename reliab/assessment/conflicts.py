@@ -248,6 +248,6 @@ def looks_nonlinear(recording: Recording, structure: Structure) -> str:
         return ""
     share = percent(check.share, decimals=1)
     return (
-        f"The specimen looks nonlinear: {share} of its force follows no spring, dashpot or mass. The error "
-        "was computed for a linear specimen."
+        f"The specimen looks nonlinear, or holds masses of its own: {share} of its force follows no spring, "
+        "dashpot or mass. The error was computed for a linear specimen."
     )

@@ -73,6 +73,18 @@ def _damper_behind_a_spring(x: float, moved: float, rate: float, step: float, s:
 
 
 @compiled
+def _tuned_mass(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
+    """Stand a spring beside a mass on a spring and a damper of its own, in small steps."""
+    pull = 0.0
+    for part in range(8):
+        place = x - moved * (1.0 - (part + 1.0) / 8.0)
+        pull = 2.0 * p[2] * p[1] * (rate - s[1]) + p[1] ** 2 * (place - s[0])
+        s[1] += pull * step / 8.0
+        s[0] += s[1] * step / 8.0
+    return float(0.5 * x + p[0] * pull / p[1] ** 2)
+
+
+@compiled
 def _bilinear(x: float, moved: float, rate: float, step: float, s: Array, p: Array) -> float:
     s[0] = min(max(s[0] + moved, -1.0), 1.0)
     return float(p[0] * x + (1.0 - p[0]) * s[0])
@@ -270,7 +282,8 @@ def _make_hinged_strut(x: float, moved: float, rate: float, step: float, s: Arra
     _MR,
     _STRUT,
     _BRACED_DAMPER,
-) = range(15)
+    _TUNED_MASS,
+) = range(16)
 
 
 @compiled
@@ -302,6 +315,8 @@ def resist(  # noqa: C901, PLR0911, PLR0912 - one branch for each law
         return _mr_damper(x, moved, rate, step, s, p)
     if law == _STRUT:
         return _make_hinged_strut(x, moved, rate, step, s, p)
+    if law == _TUNED_MASS:
+        return _tuned_mass(x, moved, rate, step, s, p)
     if law == _BRACED_DAMPER:
         return _damper_behind_a_spring(x, moved, rate, step, s, p)
     return _cubic(x, moved, rate, step, s, p)
@@ -344,6 +359,10 @@ FAMILIES: Final[Mapping[str, tuple[int, Callable[[np.random.Generator], list[flo
     "fluid damper behind a spring": (
         _BRACED_DAMPER,
         lambda draw: [draw.uniform(0.5, 3.0), draw.uniform(0.3, 1.0), draw.uniform(0.3, 0.8)],
+    ),
+    "tuned mass": (
+        _TUNED_MASS,
+        lambda draw: [draw.uniform(0.02, 0.15), draw.uniform(4.0, 10.0), draw.uniform(0.03, 0.12)],
     ),
 }
 """Families of specimens: their law, and how their parameters are drawn."""

@@ -8,6 +8,7 @@ coefficients [N/m] that are not negative. The elements are
 - springs that harden, springs behind a gap on both sides or on one,
 - dashpots of several powers of the velocity, and springs in series with a dashpot (Maxwell), whose force may
   grow with a power of the velocity, as in a fluid damper behind a brace,
+- masses on springs and dashpots of their own, as tuned masses and liquid in tanks,
 - smooth hysteresis with elastic unloading (Bouc and Wen),
 - springs that soften with the largest excursion so far, gaps that open with it, and reloading towards the
   largest excursion (Clough and Johnston 1966),
@@ -69,6 +70,7 @@ class Kind(IntEnum):
     STRUT = 18
     SELF_CENTRING = 19
     FLUID_DAMPER = 20
+    OSCILLATOR = 21
 
 
 _SCALABLE: Final = frozenset(Kind) - {Kind.CONSTANT, Kind.CUBIC, Kind.QUINTIC, Kind.DASHPOT, Kind.MULLINS}
@@ -110,6 +112,23 @@ def _stretch(size: float, shape: float, increment: float, relaxation: float, sta
 
 
 @compiled
+def _swing(
+    period: float, damping_ratio: float, position: float, velocity: float, step: float, state: Array
+) -> float:
+    """Acceleration of a mass on a spring and a dashpot, times the square of period/2π [m].
+
+    By Newmark's method of average acceleration.
+    """
+    rate = 2.0 * np.pi / period
+    place = state[0] + step * state[1] + 0.25 * step**2 * state[2]
+    speed = state[1] + 0.5 * step * state[2]
+    pull = 2.0 * damping_ratio * rate * (velocity - speed) + rate**2 * (position - place)
+    pull /= 1.0 + damping_ratio * rate * step + 0.25 * (rate * step) ** 2
+    state[0], state[1], state[2] = place + 0.25 * step**2 * pull, speed + 0.5 * step * pull, pull
+    return float(pull / rate**2)
+
+
+@compiled
 def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of element
     kind: int,
     size: float,
@@ -125,8 +144,9 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
 ) -> float:
     """Displacement of one element [m] at the end of a step; its state is changed in place.
 
-    `size` [m], of Maxwell's element [s], of an opening gap [-]; `shape`: an exponent, or the share by which a
-    flag unloads lower; `speed` at which a dashpot gives its size [m/s].
+    `size` [m], of Maxwell's element and of an oscillator [s], of an opening gap [-]; `shape`: an exponent,
+    the share by which a flag unloads lower, or a damping ratio; `speed` at which a dashpot gives its size
+    [m/s].
     """
     if kind in (Kind.ELASTIC_PLASTIC, Kind.WEAKENING):
         state[0] = min(max(state[0] + increment, -size), size)
@@ -148,6 +168,8 @@ def _advance(  # noqa: C901, PLR0911, PLR0912 - one branch for each kind of elem
         return float(state[0])
     if kind == Kind.FLUID_DAMPER:
         return _stretch(size, shape, increment, speed * step, state)
+    if kind == Kind.OSCILLATOR:
+        return _swing(size, shape, position, velocity, step, state)
     if kind == Kind.GAP:
         return position - min(max(position, -size), size)
     if kind == Kind.GAP_ABOVE:
@@ -296,8 +318,9 @@ class Elements:
     """Elements in parallel."""
 
     kinds: NDArray[np.int64]  # Kind of each, shape (elements,)
-    sizes: Array  # Yield displacement, gap or unit [m], of Maxwell's element a time [s], shape (elements,)
-    # Exponent of a dashpot or of smooth hysteresis, share of one that weakens or of a flag, shape (elements,)
+    sizes: Array  # Yield displacement, gap or unit [m], time or period [s], shape (elements,)
+    # Exponent of a dashpot or of smooth hysteresis, share of one that weakens or of a flag, damping ratio of
+    # a mass, shape (elements,)
     shapes: Array
     speed: float  # Velocity at which a dashpot gives its size [m/s]
     # Of laws of hysteresis, zero for all others, shape (elements, TRAITS)

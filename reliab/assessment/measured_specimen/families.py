@@ -1,6 +1,8 @@
 """Families of elements with which a specimen is learned, for the displacements and speeds of its test."""
 
+import math
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Final
 
 from reliab.assessment.measured_specimen.elements import Elements, Kind, list_elements
@@ -10,6 +12,8 @@ _YIELDS = (0.002, 0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4,
 _YIELDS_OF_OTHERS = (0.005, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 1.0)
 _GAPS = tuple(0.05 * count for count in range(1, 20))
 _TIMES = (0.01, 0.03, 0.1, 0.3)  # s, of Maxwell's elements
+_PERIODS = tuple(0.25 * 1.12**k for k in range(22))  # over 2π displacement/speed
+_DAMPING_RATIOS = (0.02, 0.07, 0.2)  # of oscillators
 _POWERS = (0.2, 0.35, 0.5, 1.0, 2.0)
 _STRETCHES = (0.05, 0.15, 0.4, 1.0)  # of a spring behind a fluid damper
 _FLAGS = (0.0, 0.25, 0.5, 0.75, 1.0)  # share of the yield force by which a flag unloads lower
@@ -20,20 +24,24 @@ LINEAR: Final = "linear"
 
 FAMILIES: Final[Mapping[str, str]] = {
     LINEAR: "a spring and a dashpot",
-    "elements": "all elements but the laws of hysteresis",
+    "oscillators": "springs, dashpots, and masses on springs and dashpots of their own",
+    "plain": "springs that yield or harden, and dashpots",
+    "elements": "all elements but oscillators and laws of hysteresis",
     "laws": "springs, dashpots and four laws of hysteresis",
-    "all": "all elements",
+    "all": "all elements but oscillators",
 }
 """Families of elements, each with what it holds."""
 
 
 def elements_of_family(name: str, displacement: float, speed: float) -> Elements:
     """Elements of a family but its laws, for the largest displacement [m] and speed [m/s] of a test."""
-    if name == LINEAR:
-        return list_elements(_linear(displacement), speed)
-    if name == "laws":
-        return list_elements(_laws_base(displacement), speed)
-    return list_elements((row for part in _PARTS for row in part(displacement)), speed)
+    parts = {
+        LINEAR: [_linear(displacement)],
+        "oscillators": [_oscillators(displacement, 2.0 * math.pi * displacement / speed)],
+        "plain": [_plain(displacement)],
+        "laws": [_laws_base(displacement)],
+    }
+    return list_elements(chain(*parts.get(name, [part(displacement) for part in _PARTS])), speed)
 
 
 def _linear(displacement: float) -> Iterator[tuple[int, float, float]]:
@@ -41,6 +49,15 @@ def _linear(displacement: float) -> Iterator[tuple[int, float, float]]:
     yield Kind.DASHPOT, displacement, 1.0
     for sign in (1.0, -1.0):
         yield Kind.CONSTANT, sign * displacement, 0.0
+
+
+def _oscillators(displacement: float, period: float) -> Iterator[tuple[int, float, float]]:
+    yield from _linear(displacement)
+    for time in _TIMES:
+        yield Kind.MAXWELL, time, 0.0
+    for ratio in _PERIODS:
+        for damping_ratio in _DAMPING_RATIOS:
+            yield Kind.OSCILLATOR, ratio * period, damping_ratio
 
 
 def _laws_base(displacement: float) -> Iterator[tuple[int, float, float]]:

@@ -145,12 +145,14 @@ _NOISIER = 1.1  # times the noise that is estimated, which held-out parts may le
 # Of what a family misses of the force, that may look like a lag, and of the force that it always may miss.
 # With them none of 48 lags seems later than it is by 1.64 deviations (tests/benchmarks/lag_of_force.py)
 _SHARE_MISSED, _LEAST_MISSED = 0.3, 0.001
+_VISCOUS = (Kind.DASHPOT, Kind.MAXWELL, Kind.FLUID_DAMPER)
 _DIGITS = 7  # of the share that a row has in another, to which two rows are alike
 _LINEAR_TOLERANCE = 1.01  # times what the best family leaves unexplained, up to which a specimen is linear
 _PREFERENCE = 4.0  # power of what is missed by which a family weighs less
 _LEAST_PART = 5e-4  # of the force, below which an element is left out
 _GREAT_PART = 0.05  # of the force, above which a law's traits are drawn
 _UNSEEN = 1e-3  # of the largest displacement, up to which nothing is known of an element that moved so far
+_REFINED_FAMILIES = ("oscillators", "plain", "elements")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -302,7 +304,7 @@ def learn_specimen(path: MeasuredPath) -> list[LearnedSpecimen]:
     laws_found = search_laws(path)
     laws = reduce(Elements.append, (law.elements() for law in laws_found))
     elements = {family: elements_of_family(family, path.largest, path.speed) for family in FAMILIES}
-    elements["elements"] = _refine_sizes(path, elements["elements"])
+    elements |= {family: _refine_sizes(path, elements[family]) for family in _REFINED_FAMILIES}
     elements |= {"laws": elements["laws"].append(laws), "all": elements["elements"].append(laws)}
     specimens = [_learn_family(path, family, elements[family], laws_found) for family in FAMILIES]
     misfit_limit = max(_LINEAR_TOLERANCE * min(specimen.held_out for specimen in specimens), _LEAST_PART)
@@ -373,7 +375,7 @@ def estimate_lag(path: MeasuredPath, specimen: LearnedSpecimen, late: Array) -> 
     """
     force, lag = path.force_seen, path.thin(late)
     rows = np.vstack([path.responses(specimen.elements), lag, -lag])
-    is_viscous = np.isin(specimen.elements.kinds, (Kind.DASHPOT, Kind.MAXWELL))
+    is_viscous = np.isin(specimen.elements.kinds, _VISCOUS)
     power = float(lag @ lag)
 
     def value(coefficients: Array) -> float:

@@ -1,18 +1,19 @@
 """Check for a nonlinear specimen: force that no spring, dashpot or mass explains.
 
 The recorded force is explained twice, first by displacement, velocity and acceleration of the measured
-motion, a constant and a drift, then with additional shapes that a nonlinear specimen would show: powers of
-displacement and velocity, friction, and elastic–plastic springs in series (Jenkins elements, whose sums
-approximate any rate-independent hysteresis: Iwan 1966, J. Appl. Mech. 33). Each explanation is fitted on one
-half of the test, in short blocks, and judged on the other half; of all kinds of shapes, used singly and
-together, the best fit is taken. Noise, a late sensor or a late force are not predicted better by such shapes;
-a nonlinear specimen is.
+motion, a constant and a drift, then with additional shapes that another specimen would show: powers of
+displacement and velocity, friction, elastic–plastic springs in series (Jenkins elements, whose sums
+approximate any rate-independent hysteresis: Iwan 1966, J. Appl. Mech. 33), and masses that swing on springs
+of their own. Each explanation is fitted on one half of the test, in short blocks, and judged on the other
+half; of all kinds of shapes, used singly and together, the best fit is taken. Noise, a late sensor or a late
+force are not predicted better by such shapes; a nonlinear specimen is.
 """
 
 from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from reliab.core.arrays import Array
@@ -27,6 +28,16 @@ _BLOCK = 0.4  # periods
 _RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
 _YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a Jenkins element slips
 _TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
+_TUNINGS = (
+    0.5,
+    0.7,
+    0.85,
+    1.0,
+    1.2,
+    1.5,
+    2.0,
+)  # natural frequencies of masses that swing, over the structure's
+_DAMPING_RATIO = 0.1  # of these
 _GAIN = 0.25  # share of the residual that must vanish on the other half
 _LEAST = 0.004  # share of the force below which nothing is called nonlinear
 FEWEST_PERIODS = 4.0
@@ -78,12 +89,16 @@ def examine_specimen(
 
     rows = np.atleast_2d(measured_displacement)
     velocities = np.gradient(rows, time_step, axis=1)
-    histories = (*rows, *velocities, *np.gradient(velocities, time_step, axis=1))
+    accelerations = np.gradient(velocities, time_step, axis=1)
+    histories = (*rows, *velocities, *accelerations)
     linear = [smooth(history) for history in histories]
     size = linear[0].size
     linear += [np.ones(size), np.linspace(-1.0, 1.0, size)]  # zero and drift of the load cell
-    kinds = zip(*map(_shapes, rows, velocities), strict=True)
-    groups = [[smooth(shape) for shape in chain(*kind)] for kind in kinds]
+    shapes = (
+        [*_shapes(displacement, velocity), _swings(acceleration, time_step, frequency)]
+        for displacement, velocity, acceleration in zip(rows, velocities, accelerations, strict=True)
+    )
+    groups = [[smooth(shape) for shape in chain(*kind)] for kind in zip(*shapes, strict=True)]
     checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]
     return max(checks, key=lambda check: (check.nonlinear, check.share))
 
@@ -121,6 +136,17 @@ def _shapes(measured_displacement: Array, velocity: Array) -> list[list[Array]]:
         [v * np.abs(v), x**2 * v, np.tanh(v / _TURNS_OVER)],
         [slider_elongation(x, limit) for limit in _YIELDS],
     ]
+
+
+def _swings(acceleration: Array, time_step: float, frequency: float) -> list[Array]:
+    """Accelerations of masses on springs and dashpots of their own."""
+    answers = []
+    for tuning in _TUNINGS:
+        rate = 2.0 * np.pi * tuning * frequency
+        passed = [2.0 * _DAMPING_RATIO * rate, rate**2]
+        coefficients = scipy.signal.bilinear(passed, [1.0, *passed], 1.0 / time_step)
+        answers.append(scipy.signal.lfilter(*coefficients, acceleration))
+    return answers
 
 
 @compiled

@@ -158,6 +158,19 @@ def test_a_load_cell_that_drifts_shows_no_nonlinear_specimen(amplitude):
     assert examine_specimen(displacement, drifting + displacement**3, 0.005, 1.0).nonlinear
 
 
+@pytest.mark.parametrize("frequency", [0.7, 1.1])
+def test_mass_that_swings_on_a_spring_of_its_own_is_no_spring(frequency):
+    time, rate = np.arange(0.0, 40.0, 0.005), 2.0 * np.pi * frequency
+    displacement = np.sin(6.0 * time) * np.sin(0.1 * time) ** 2
+    speed, place, pulls = 0.0, 0.0, []
+    for x, v in zip(displacement.tolist(), np.gradient(displacement, 0.005).tolist(), strict=True):
+        pulls.append(0.1 * rate * (v - speed) + rate**2 * (x - place))
+        speed += 0.005 * pulls[-1]
+        place += 0.005 * speed
+    check = examine_specimen(displacement, 40.0 * displacement + 2.0 * np.array(pulls), 0.005, 1.0)
+    assert check.nonlinear
+
+
 def test_force_of_no_specimen_is_refused_or_linear():
     time = np.arange(0.0, 4.0, 0.005)
     displacement = np.sin(6.0 * time)
