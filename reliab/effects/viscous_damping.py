@@ -1,6 +1,7 @@
 """Viscous damping of the specimen."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from reliab.core.vocabulary import Block
 from reliab.effects.effect import Parameter, Role, SteppedEffect
@@ -19,7 +20,7 @@ class ViscousDamping(SteppedEffect):
     block = Block.SPECIMEN
     role = Role.FORCE
     description = "the specimen has more viscous damping than believed"
-    parameters = (
+    parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter(
             name="damping_n_s_per_m",
             units="N·s/m",
