@@ -15,7 +15,7 @@ from reliab.core.arrays import Array
 from reliab.core.errors import InputError
 from reliab.core.significant_digits import percent, significant
 from reliab.recordings.behaviour import remove_spikes
-from reliab.recordings.recording import Recording
+from reliab.recordings.recording import Part, Recording
 from reliab.signals.spectra import cross_correlate
 from reliab.structures.partition import Partition
 
@@ -109,6 +109,7 @@ def require_plausible(
         stiffness=stiffness,
         linear=linear,
         is_stiffness_fitted=is_stiffness_fitted,
+        is_unit_stated=all(channel.unit for channel in clean.channels if channel.part is Part.FORCE),
         name=clean.name,
     )
     if examined is not None:

@@ -1,9 +1,9 @@
 """Recorded forces that cannot be the specimen's: reversed, in another unit, unrelated, of another column.
 
 A passive specimen resists: its force is a sum of spring, dashpot, mass, hardening and elastic-plastic springs
-with coefficients that are not negative. Such a sum explains a reversed force only with its sign turned, and a
-motion does no work against it; and where it explains the force by the command, not by the measured
-displacement, the columns are exchanged.
+and masses on springs of their own, with coefficients that are not negative. Such a sum explains a reversed
+force only with its sign turned, and a motion does no work against it; and where it explains the force by the
+command, not by the measured displacement, the columns are exchanged.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ from typing import Final, Self
 import numpy as np
 import scipy
 
-from reliab.assessment.rebuilt_error.specimen_check import slider_elongation
+from reliab.assessment.rebuilt_error.specimen_check import slider_elongation, swinging_masses
 from reliab.assessment.tracking_index import is_noisier
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -39,7 +39,7 @@ _REALIGNED_SHARE = 0.25  # of what is left over, by the same displacement withou
 _SPRING = 0.5  # correlation of force and displacement above which a stiffness is known
 _YIELDS = (0.02, 0.1, 0.25, 0.5)  # of the largest displacement, where an elastic-plastic spring slips
 _STIFFNESSES = (0.01, 3.0)  # over the stated one, of a specimen that may yield
-_FITTED_STIFFNESSES = (0.01, 100.0)  # the same where what is stated is a first value only
+_OPEN_STIFFNESSES = (0.01, 100.0)  # the same where the unit is known, or what is stated is a first value only
 _STRAIGHT, _LINEAR_STIFFNESSES = (
     0.95,
     (0.5, 2.0),
@@ -66,6 +66,7 @@ def require_restoring_force(
     stiffness: float | None = None,
     linear: bool = False,
     is_stiffness_fitted: bool = False,
+    is_unit_stated: bool = False,
     name: str = "",
 ) -> "ExaminedForce | None":
     """Refuse a force that is surely reversed, stands still, follows no motion, or is in another unit.
@@ -75,7 +76,8 @@ def require_restoring_force(
     `measured_displacement` displacement [m], without spikes, and `force` [N], shape (n,); `time_step` [s];
     `stiffness`: stated one of the specimen [N/m], without which the unit is not examined; `linear`: whether
     the specimen is taken as linear; `is_stiffness_fitted`: whether its stiffness is fitted, so that the unit
-    alone counts; `name`: what the test is called.
+    alone counts; `is_unit_stated`: whether the force has a stated unit, so that a specimen that is not linear
+    may be as stiff as a damper beside a weak spring; `name`: what the test is called.
 
     >>> time = np.arange(0.0, 20.0, 0.005)
     >>> moved = np.sin(6.0 * time) * np.sin(0.15 * time)
@@ -102,7 +104,10 @@ def require_restoring_force(
             where=name,
         )
     if stiffness:
-        _require_unit(examined, stiffness, name, linear=linear, is_stiffness_fitted=is_stiffness_fitted)
+        straight, slope = examined.stiffness_above(_STRAIGHT) is not None, examined.stiffness
+        is_open = is_stiffness_fitted or (is_unit_stated and not straight and not linear)
+        if slope is not None:
+            _require_ratio(slope / stiffness, name, straight=straight, linear=linear, is_open=is_open)
     return examined
 
 
@@ -159,6 +164,7 @@ class SmoothingKernel:
 
     values: tuple[Array, Array, Array]
     time_step: float
+    frequency: float
     every: int
 
     @classmethod
@@ -174,6 +180,7 @@ class SmoothingKernel:
         return cls(
             values=(flank**6 / reach, first * rate / reach, second * rate**2 / reach),
             time_step=step,
+            frequency=frequency,
             every=max(int(1.0 / (_SAMPLES_PER_PERIOD * frequency * step)), 1),
         )
 
@@ -358,24 +365,17 @@ def remark_on_force(
     )
 
 
-def _require_unit(
-    examined: ExaminedForce, stiffness: float, name: str, *, linear: bool, is_stiffness_fitted: bool
-) -> None:
-    straight, slope = examined.stiffness_above(_STRAIGHT) is not None, examined.stiffness
-    if slope is not None:
-        _require_ratio(
-            slope / stiffness, name, straight=straight, linear=linear, is_stiffness_fitted=is_stiffness_fitted
-        )
-
-
 def _require_ratio(
-    ratio: float, name: str, *, straight: bool, linear: bool = False, is_stiffness_fitted: bool = False
+    ratio: float, name: str, *, straight: bool, linear: bool = False, is_open: bool = False
 ) -> None:
-    """Refuse a stiffness over the stated one that another unit makes, or no specimen has."""
+    """Refuse a stiffness over the stated one that another unit makes, or no specimen has.
+
+    `is_open`: whether the stiffness itself may be any.
+    """
     # a specimen of which only the force is known may have another stiffness, but hardly that of a unit
-    near = _SAME_UNIT_FITTED if is_stiffness_fitted else _SAME_UNIT
+    near = _SAME_UNIT_FITTED if is_open else _SAME_UNIT
     exact = straight and not linear and bool(unit_like(ratio, tolerance=near))
-    stiffness_range = _FITTED_STIFFNESSES if is_stiffness_fitted else _STIFFNESSES
+    stiffness_range = _OPEN_STIFFNESSES if is_open else _STIFFNESSES
     least, largest = _LINEAR_STIFFNESSES if exact or (straight and linear) else stiffness_range
     if not least <= ratio <= largest:
         raise other_unit_of_force(
@@ -430,9 +430,11 @@ def _remaining_power(displacement: Array, forces: Sequence[Array], kernel: Smoot
     """Power that the elements of a passive specimen leave over of each force, over that of the force [-]."""
     shape = displacement / float(np.abs(displacement).max())
     bent = [shape**3, *(slider_elongation(shape, limit) for limit in _YIELDS)]
+    acceleration = np.gradient(np.gradient(displacement, kernel.time_step), kernel.time_step)
+    swinging = swinging_masses(acceleration, kernel.time_step, kernel.frequency)
     rows = [
         *(kernel.smooth_derivative(displacement, order) for order in range(3)),
-        *(kernel.smooth_derivative(row, 0) for row in bent),
+        *(kernel.smooth_derivative(row, 0) for row in [*bent, *swinging]),
     ]
     terms = np.stack([row - row.mean() for row in rows], axis=1)
     terms /= np.linalg.norm(terms, axis=0)

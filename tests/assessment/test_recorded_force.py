@@ -33,6 +33,17 @@ def yielding(displacement, limit):
     return force
 
 
+def swinging(motion, frequency, damping_ratio=0.03):
+    """Inertia force of a unit mass on a spring of its own, by small steps [N]."""
+    rate, step = 2.0 * np.pi * frequency, 1.0 / RATE
+    place, speed, forces = float(motion.x[0]), float(motion.v[0]), []
+    for x, v in zip(motion.x.tolist(), motion.v.tolist(), strict=True):
+        forces.append(2.0 * damping_ratio * rate * (v - speed) + rate**2 * (x - place))
+        speed += step * forces[-1]
+        place += step * speed
+    return np.array(forces)
+
+
 class Motion(NamedTuple):
     """Displacement, velocity and acceleration of a specimen."""
 
@@ -50,6 +61,8 @@ SPECIMENS = {
     "friction": lambda m: np.sign(m.v),
     "hardening": lambda m: m.x + 0.5 * (m.x / np.abs(m.x).max()) ** 2 * m.x,
     "yielding": lambda m: yielding(m.x, 0.25 * np.abs(m.x).max()) + 0.02 * m.x,
+    "structure on a table": lambda m: swinging(m, 2.5),
+    "spring and tuned mass": lambda m: m.x + 0.01 * swinging(m, 0.95),
     "preloaded spring": lambda m: m.x + 3.0 * np.abs(m.x).max(),
 }
 
@@ -193,6 +206,20 @@ def test_a_force_that_differs_a_little_from_what_is_stated_is_remarked(displacem
     result = assess(test, structure, stated={"mass": StatedValue(1000.0)})
     messages = any("of what mass, frequency and share make" in warning for warning in result.warnings)
     assert messages is (ratio != 1.0)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_damper_far_stiffer_than_the_spring_beside_it_needs_a_stated_unit(displacement, stated):
+    _, x, v, *_ = displacement
+    force = STIFFNESS * (0.05 * x + 0.5 * yielding(x, 0.02 * np.abs(x).max()) + 0.01 * v)
+    examine = {"stiffness": 0.05 * STIFFNESS, "is_unit_stated": stated}
+    if stated:
+        assert require_restoring_force(x, force, 1.0 / RATE, **examine).unexplained < 0.1
+        with pytest.raises(InputError, match="does not fit the stated specimen"):
+            require_restoring_force(x, 1e3 * force, 1.0 / RATE, **examine)
+    else:
+        with pytest.raises(InputError, match="State the unit of the force in the column's name"):
+            require_restoring_force(x, force, 1.0 / RATE, **examine)
 
 
 def test_yielding_specimen_is_no_wrong_unit(displacement):

@@ -28,18 +28,12 @@ _BLOCK = 0.4  # periods
 _RIDGE = 1e-5  # of the mean square of a shape: what the fitted half cannot tell stays small
 _YIELDS = (0.05, 0.15, 0.3, 0.5, 0.75)  # of the largest displacement, where a Jenkins element slips
 _TURNS_OVER = 0.02  # of the largest velocity, over which friction changes sign
-_TUNINGS = (
-    0.5,
-    0.7,
-    0.85,
-    1.0,
-    1.2,
-    1.5,
-    2.0,
-)  # natural frequencies of masses that swing, over the structure's
-_DAMPING_RATIO = 0.1  # of these
+_TUNINGS = tuple(0.5 * 1.12**k for k in range(20))  # frequencies of swinging masses over the structure's
+_DAMPING_RATIO = 0.05  # of these
 _GAIN = 0.25  # share of the residual that must vanish on the other half
 _LEAST = 0.004  # share of the force below which nothing is called nonlinear
+# The same of masses that swing, whose motion is that of the specimen with less noise: it explains a little
+_LEAST_OF_MASSES = 0.02
 FEWEST_PERIODS = 4.0
 """Periods of the structure over which a specimen is examined at least."""
 
@@ -94,17 +88,21 @@ def examine_specimen(
     linear = [smooth(history) for history in histories]
     size = linear[0].size
     linear += [np.ones(size), np.linspace(-1.0, 1.0, size)]  # zero and drift of the load cell
-    shapes = (
-        [*_shapes(displacement, velocity), _swings(acceleration, time_step, frequency)]
-        for displacement, velocity, acceleration in zip(rows, velocities, accelerations, strict=True)
-    )
-    groups = [[smooth(shape) for shape in chain(*kind)] for kind in zip(*shapes, strict=True)]
-    checks = [_compare(linear, groups, smooth(row)) for row in np.atleast_2d(force)]
+    kinds = zip(*map(_shapes, rows, velocities), strict=True)
+    groups = [[smooth(shape) for shape in chain(*kind)] for kind in kinds]
+    targets = [smooth(row) for row in np.atleast_2d(force)]
+    checks = [_compare(linear, groups, target, _LEAST) for target in targets]
+    if len(rows) == 1:
+        masses = [smooth(row) for row in swinging_masses(accelerations[0], time_step, frequency)]
+        checks.append(_compare(linear, [masses], targets[0], _LEAST_OF_MASSES))
     return max(checks, key=lambda check: (check.nonlinear, check.share))
 
 
-def _compare(linear: list[Array], groups: list[list[Array]], target: Array) -> SpecimenCheck:
-    """Compare what linear shapes explain of a force with what they and groups of others do."""
+def _compare(linear: list[Array], groups: list[list[Array]], target: Array, least: float) -> SpecimenCheck:
+    """Compare what linear shapes explain of a force with what they and groups of others do.
+
+    `least`: share of the force from which on it matters [-].
+    """
     block = max(int(_BLOCK * _SAMPLES_PER_PERIOD), 1)
     half = (np.arange(target.size) // block) % 2 == 0
     plain = _cross_validation_residual(np.stack(linear), target, half)
@@ -118,7 +116,7 @@ def _compare(linear: list[Array], groups: list[list[Array]], target: Array) -> S
     explained_share = max(plain - rich, 0.0)
     gain = explained_share / plain if plain > 0.0 else 0.0
     share = float(np.sqrt(explained_share / power))
-    return SpecimenCheck(nonlinear=bool(gain > _GAIN and share > _LEAST), share=share, gain=gain)
+    return SpecimenCheck(nonlinear=bool(gain > _GAIN and share > least), share=share, gain=gain)
 
 
 def _low_pass(frequency: float, step: float) -> Array:
@@ -138,8 +136,8 @@ def _shapes(measured_displacement: Array, velocity: Array) -> list[list[Array]]:
     ]
 
 
-def _swings(acceleration: Array, time_step: float, frequency: float) -> list[Array]:
-    """Accelerations of masses on springs and dashpots of their own."""
+def swinging_masses(acceleration: Array, time_step: float, frequency: float) -> list[Array]:
+    """Accelerations [m/s²] of masses on springs and dashpots of their own, tuned about a frequency [Hz]."""
     answers = []
     for tuning in _TUNINGS:
         rate = 2.0 * np.pi * tuning * frequency
