@@ -28,7 +28,6 @@ from laboratory_tests import (
     draw_structure,
     misstate_structure,
     read_records,
-    specimen_shape,
 )
 from rebuilt_error import laboratory as lab
 
@@ -41,6 +40,15 @@ from reliab.criterion.derivation import published_criterion
 from reliab.recordings.recording import Recording
 
 SPECIMENS = (lab.LINEAR, lab.CUBIC, lab.HYSTERESIS)
+
+
+def specimen_shape(specimen: int, peak: float, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Draw numbers of a specimen: hardening of 5 to 15 % at the peak, yielding at a ductility of 2 to 4."""
+    if specimen == lab.CUBIC:
+        return rng.uniform(0.05, 0.15) / peak**2, 0.0, 0.0
+    if specimen == lab.HYSTERESIS:
+        return peak / rng.uniform(2.0, 4.0), 0.03, 8.0
+    return 0.0, 0.0, 0.0
 
 
 def runs_of(seed: int, records: list[Path]) -> tuple[lab.Lab, list[lab.Outcome]]:
