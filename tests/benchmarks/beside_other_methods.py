@@ -9,13 +9,12 @@ deviation). Simulation and truth are those of `tests/assessment/rebuilt_error/la
 package. FACE has two further runs, with twice and three times the gain error and delay.
 """
 
-import argparse
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from benchmark_script import argument_parser
 from laboratory_tests import THRESHOLD, add_noise, misstate_structure
 from rebuilt_error import laboratory as lab
 
@@ -88,11 +87,7 @@ def measures(seed: int) -> dict[str, float | str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("table", type=Path)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--count", type=int, default=100)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "table", seed=0, count=100).parse_args()
     rows = []
     for seed in range(options.seed, options.seed + options.count):
         rows.append(measures(seed))

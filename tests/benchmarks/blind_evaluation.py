@@ -8,7 +8,6 @@ variant says, diagnoses each, keeps labels and results in FOLDER, and writes FOL
 may share the work, each with its own range of seeds.
 """
 
-import argparse
 import json
 import shutil
 import sys
@@ -20,6 +19,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from benchmark_script import argument_parser  # noqa: E402
 from benchmarks.campaign_variants import MIXED_VARIANT, NOISY_DB, VARIANTS, changes_of  # noqa: E402
 from blind_campaigns.campaign import Options, generate  # noqa: E402
 from blind_campaigns.case import Observation  # noqa: E402
@@ -121,10 +121,7 @@ def show_times(folder: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, default=2_000_000)
-    parser.add_argument("--count", type=int, default=400)
+    parser = argument_parser(__doc__, "folder", seed=2_000_000, count=400)
     parser.add_argument(
         "--without-rivals",
         action="store_true",

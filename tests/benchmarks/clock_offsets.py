@@ -5,9 +5,8 @@ spring, of a spring with a damper and of a spring with dry friction, with noise 
 offsets of 1, 2, 4 and 8 ms in both directions, and prints verdict, names, offset and rivals.
 """
 
-import argparse
-
 import numpy as np
+from benchmark_script import argument_parser
 
 from reliab.discrepancy.campaign.campaign import Campaign, Channel, MeasuredTest
 from reliab.discrepancy.diagnose import diagnose
@@ -71,8 +70,7 @@ def describe_diagnosis(diagnosis: Diagnosis) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--seed", type=int, default=0)
+    parser = argument_parser(__doc__, seed=0)
     parser.add_argument("--snr", type=float, default=50.0, help="signal to noise [dB]")
     options = parser.parse_args()
     for specimen in ("spring", "damper", "friction"):

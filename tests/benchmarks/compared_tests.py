@@ -16,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from benchmark_script import argument_parser
 from laboratory_tests import (
     LARGEST,
     SMALLEST,
     add_noise,
-    argument_parser,
     draw_ground,
     draw_structure,
     later,
@@ -80,10 +80,7 @@ def compare_pair(seed: int, records: list[Path], rate: float, *, independent_ske
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=40)
-    parser.add_argument("--rate", type=float, default=lab.RATE)
-    parser.add_argument("--apart", action="store_true")
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "folder", seed=int, count=40, rate=lab.RATE, apart=False).parse_args()
     records = read_records(options.folder)
     seeds = range(options.seed, options.seed + options.count)
     pairs = pd.DataFrame(

@@ -13,11 +13,11 @@ and those outside; the last column is the largest error over the threshold on th
 response.
 """
 
-import argparse
 from functools import cache, partial
 
 import numpy as np
 import scipy
+from benchmark_script import argument_parser
 from criterion_scope import (
     CONFIDENCES,
     STRUCTURES,
@@ -152,11 +152,8 @@ DRAWS = (one_frequency, bare_pulse)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("records")
+    parser = argument_parser(__doc__, "records", simulated=0, seed=SEED)
     parser.add_argument("--cut", type=float, nargs="*", default=())
-    parser.add_argument("--simulated", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--side", choices=list(Side), default="lag")
     parser.add_argument("--population", nargs="*", help="beginnings of names, all by default", default=("",))
     options = parser.parse_args()

@@ -11,12 +11,13 @@ the earthquake that their catalogue names. Printed are shares at the stated 50, 
 default criterion, and of that for the length of the record.
 """
 
-import argparse
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise, product
+from pathlib import Path
 
 import numpy as np
+from benchmark_script import argument_parser
 from criterion_beyond import DRAWS
 from criterion_scope import STRUCTURES, errors_on_edges, limits_of as limits_at, read_inscribed
 from simulated_populations import POPULATIONS, SEED, simulate_earthquake
@@ -78,12 +79,7 @@ def show(name, motions, left_out_event=None):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("records")
-    parser.add_argument("--others")
-    parser.add_argument("--simulated", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=SEED)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "records", others=Path, simulated=0, seed=SEED).parse_args()
     suite = list(load_motions(options.records, sets=["far_field", "near_field"]))
     show("whole", suite)
     show("cut to the shaking", [cut(motion) for motion in suite])

@@ -6,7 +6,6 @@ Needs selenium, chromium and its driver. Prints the seconds from `reliab desk` t
 page, from dropping a test to its drawing, from the button to the verdict, and of a slider's move [ms].
 """
 
-import argparse
 import io
 import json
 import re
@@ -19,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import paths  # noqa: F401 - makes the browser importable
+from benchmark_script import argument_parser
 from desk_browser import DeskBrowser
 from headless_browser import start
 from PIL import Image
@@ -87,9 +87,7 @@ def show_rig(desk: DeskBrowser) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--screenshots", type=Path)
-    arguments = parser.parse_args()
+    arguments = argument_parser(__doc__, screenshots=Path).parse_args()
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "reliab", "desk", folder, "--no-browser", "--json", "-"]
         begin = time.monotonic()

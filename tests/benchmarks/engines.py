@@ -13,12 +13,12 @@ import platform
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numba
 import numpy as np
 import threadpoolctl
+from benchmark_script import shortest_time
 from numpy.typing import NDArray
 
 from reliab.motions.loading import load_motions
@@ -78,17 +78,6 @@ def runge_kutta(
     return squares, peak
 
 
-def best(work: Callable[[], object]) -> float:
-    """Shortest of several processor times [s]; the first run, which compiles, is not counted."""
-    work()
-    times = []
-    for _ in range(REPETITIONS):
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return min(times)
-
-
 def baseline(motion: Motion, structure: Structure) -> float:
     """Simulations per second of the baseline."""
     fine = resample(motion, RATE_HZ)
@@ -99,7 +88,7 @@ def baseline(motion: Motion, structure: Structure) -> float:
         for _ in range(20):
             runge_kutta(fine.acceleration, ideal, h, w0, xi, 1.0, 0.001)
 
-    return 20.0 / best(work)
+    return 20.0 / shortest_time(work, REPETITIONS)[1]
 
 
 def jitcdde_rate(motion: Motion, structure: Structure) -> float | None:
@@ -140,7 +129,8 @@ def plane_rates(motion: Motion, structure: Structure) -> tuple[float, float]:
     def solve_again() -> None:
         mean_squares([responses], expansions, first)
 
-    return cells.gain.size / best(anew), cells.gain.size / best(solve_again)
+    anew_seconds, again_seconds = (shortest_time(work, REPETITIONS)[1] for work in (anew, solve_again))
+    return cells.gain.size / anew_seconds, cells.gain.size / again_seconds
 
 
 def machine() -> str:
@@ -169,8 +159,8 @@ def main() -> None:
     reference, plane = baseline(motion, structure), plane_rates(motion, structure)
     rates = {
         "Runge-Kutta at 1024 Hz (baseline)": reference,
-        "delay engine": cells.gain.size / best(step_delay),
-        "pole engine": cells.gain.size / best(pole),
+        "delay engine": cells.gain.size / shortest_time(step_delay, REPETITIONS)[1],
+        "pole engine": cells.gain.size / shortest_time(pole, REPETITIONS)[1],
         "pole plane, RMS^R only": plane[0],
         "the same, further actuators": plane[1],
         "JiTCDDE": jitcdde_rate(motion, structure),

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratory importable
+from benchmark_script import argument_parser
 from blind_campaigns.scoring import wilson_interval
 from laboratory_tests import (
     LARGEST,
     SMALLEST,
     STEP,
     add_noise,
-    argument_parser,
     draw_test,
     question,
     read_records,
@@ -47,7 +47,7 @@ def judge_draw(seed: int, records: list[Path]) -> dict[str, float | bool]:
 
 
 def main() -> None:
-    options = argument_parser(__doc__, count=120).parse_args()
+    options = argument_parser(__doc__, "folder", seed=int, count=120).parse_args()
     records = read_records(options.folder)
     rows = pd.DataFrame(judge_draw(options.seed + number, records) for number in range(options.count))
     print(rows["ratio"].quantile([0.05, 0.95]).round(3).tolist(), "stated over true, 5 to 95 %")

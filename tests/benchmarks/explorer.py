@@ -6,13 +6,13 @@ Needs selenium, chromium and its driver. Prints the size of the file [MB], the t
 first picture [ms] and the longest and median time of a slider's move until the drawings stand [ms].
 """
 
-import argparse
 import statistics
 import tempfile
 import time
 from pathlib import Path
 
 import paths  # noqa: F401 - makes the browser importable
+from benchmark_script import argument_parser
 from headless_browser import start
 from selenium.webdriver import Chrome
 
@@ -35,9 +35,7 @@ def move_slider(page: Chrome, slider: str, part: float) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--screenshot", type=Path)
-    arguments = parser.parse_args()
+    arguments = argument_parser(__doc__, screenshot=Path).parse_args()
     with tempfile.TemporaryDirectory() as folder:
         page = start(Path(folder) / "profile", width=1440, height=1750)
         path = Path(folder) / "criterion.html"

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratories importable
+from benchmark_script import argument_parser
 from frames_by_matrices import Matrices, Outcome, run, run_yielding, shear
-from laboratory_tests import DECIBELS, LARGEST, SMALLEST, argument_parser
+from laboratory_tests import DECIBELS, LARGEST, SMALLEST
 from rebuilt_error.laboratory import read_at2
 from several_actuators import read_by_chance
 from uncertain_frames import true_errors
@@ -147,7 +148,7 @@ def judge_test(kind: str, seed: int, records: list[Path]) -> dict[str, object]:
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=10)
+    parser = argument_parser(__doc__, "folder", seed=int, count=10)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     options = parser.parse_args()
     records = sorted(options.folder.rglob("*.AT2"))

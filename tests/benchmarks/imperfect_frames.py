@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratories importable
+from benchmark_script import argument_parser
 from coupled_structures import CoupledResponse, coupled_response
-from laboratory_tests import DECIBELS, THRESHOLD, argument_parser, score_verdict
+from laboratory_tests import DECIBELS, THRESHOLD, score_verdict
 from rebuilt_error.laboratory import read_at2
 from scipy.interpolate import CubicSpline
 from several_actuators import (
@@ -88,9 +89,7 @@ def judge_test(name: str, seed: int, records: list[Path], clock: float) -> Itera
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=20)
-    parser.add_argument("--clock", type=float, default=CLOCK)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "folder", seed=int, count=20, clock=CLOCK).parse_args()
     records = sorted(options.folder.rglob("*.AT2"))
     seeds = range(options.seed, options.seed + options.count)
     table = pd.DataFrame(

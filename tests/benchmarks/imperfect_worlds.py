@@ -9,7 +9,6 @@ of their rivals; FOLDER/reliability.png draws them; `--table FILE.csv` writes a 
 there already is not done again.
 """
 
-import argparse
 import json
 import tempfile
 import time
@@ -23,6 +22,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the worlds importable
+from benchmark_script import argument_parser
 from blind_campaigns.scoring import wilson_interval
 from imperfect_worlds.world import FURTHER, RATE, write_world
 
@@ -209,10 +209,7 @@ def show(folder: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--count", type=int, default=200)
+    parser = argument_parser(__doc__, "folder", seed=0, count=200)
     parser.add_argument("--table", type=Path, help="CSV with a row for each world of FOLDER")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)

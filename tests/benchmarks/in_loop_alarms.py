@@ -12,7 +12,6 @@ monitor, for the kinds that it follows (all but several actuators). Needs a C co
 its own, of which tcc takes little.
 """
 
-import argparse
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -22,6 +21,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import scipy.linalg
+from benchmark_script import argument_parser
 from monitor import (
     DIVERGING,
     LARGE,
@@ -484,13 +484,8 @@ def say_of_dropouts(table: pd.DataFrame) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=1)
+    parser = argument_parser(__doc__, count=50, seed=1, compiler="cc", out=Path, beside_python=False)
     parser.add_argument("--kinds", nargs="+", default=[*STABLE, *DIVERGING, *LARGER_KINDS])
-    parser.add_argument("--compiler", default="cc")
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--beside-python", action="store_true")
     options = parser.parse_args()
     if options.beside_python:
         compare_with_python(cases(options.count, options.seed, options.kinds), options.compiler)

@@ -13,10 +13,10 @@ there stands in rows of its own (`unstated`). With `--population` the response's
 time, is left out.
 """
 
-import argparse
 from itertools import pairwise
 
 import numpy as np
+from benchmark_script import argument_parser
 from criterion_scope import LENGTHS
 
 from reliab.assessment.default_criterion import criterion_of_response, default_criterion
@@ -113,13 +113,9 @@ def earthquake_deviation(good, events):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("records")
+    parser = argument_parser(__doc__, "records", population=False, seed=34, rigs=24)
     parser.add_argument("seconds", type=float, nargs="*")
-    parser.add_argument("--population", action="store_true")
     parser.add_argument("--groups", action="store_true", help="also by the length of whole records")
-    parser.add_argument("--seed", type=int, default=34)
-    parser.add_argument("--rigs", type=int, default=24)
     options = parser.parse_args()
     suite = load_motions(options.records, sets=["far_field", "near_field"])
     for seconds in [None, *options.seconds]:

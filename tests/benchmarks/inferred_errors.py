@@ -7,13 +7,12 @@ by as much as in ordinary laboratories. `python tests/benchmarks/inferred_errors
 [--excitation NAME] ROW…` prints a line for each row, FOLDER being one of records with a catalog.csv.
 """
 
-import argparse
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import scipy
+from benchmark_script import argument_parser
 from numba import njit
 
 from reliab import assess, load_motions
@@ -299,11 +298,8 @@ def measure(name, seed, tests, kind, motions):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("folder", type=Path)
+    parser = argument_parser(__doc__, "folder", seed=1, tests=40)
     parser.add_argument("rows", nargs="*", choices=[*ROWS, []])
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--tests", type=int, default=40)
     parser.add_argument("--excitation", choices=EXCITATIONS, default="earthquake")
     options = parser.parse_intermixed_args()
     motions = load_motions(options.folder)

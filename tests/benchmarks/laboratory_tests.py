@@ -1,6 +1,5 @@
 """Tests that `tests/assessment/rebuilt_error/laboratory.py` simulates, drawn at random under real records."""
 
-import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,17 +18,6 @@ from reliab.structures.structure import Structure
 
 STEP, THRESHOLD, DECIBELS = 1.0 / lab.RATE, 0.05, 45.0
 SMALLEST, LARGEST = 0.01, 0.12  # of true errors
-
-
-def argument_parser(documentation: str | None, count: int) -> argparse.ArgumentParser:
-    """Parse the folder of records (or of answers), the first seed and the number of tests."""
-    parser = argparse.ArgumentParser(
-        description=documentation, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=count)
-    return parser
 
 
 def read_records(folder: Path) -> list[Path]:

@@ -18,7 +18,6 @@ The table has one row for each rung and one for the answer of the product: error
 tests, RMS over that of the force.
 """
 
-import argparse
 import csv
 import importlib.util
 import itertools
@@ -32,6 +31,7 @@ from pathlib import Path
 
 import numba
 import numpy as np
+from benchmark_script import argument_parser
 from scipy import optimize, signal
 
 HIGHEST, LEAST_RATE = 20.0, 200.0  # Hz, of the filter that smooths the displacement, and after thinning
@@ -280,11 +280,8 @@ def answer(folder: Path) -> dict[str, object]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argument_parser(__doc__, table=Path, without_answers=False, passive=False)
     parser.add_argument("campaigns", type=Path, nargs="+")
-    parser.add_argument("--table", type=Path)
-    parser.add_argument("--without-answers", action="store_true")
-    parser.add_argument("--passive", action="store_true")
     options = parser.parse_args()
     rows = []
     for folder in options.campaigns:

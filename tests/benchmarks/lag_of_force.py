@@ -6,12 +6,11 @@ prints a line for each kind, FOLDER being one of records with a catalog.csv. A f
 is, by the viscous damping of its specimen, but not later.
 """
 
-import argparse
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 import paths  # noqa: F401 - makes the studies importable
+from benchmark_script import argument_parser
 
 from reliab import load_motions
 from reliab.assessment.measured_specimen.force_channel import NOTHING_STATED
@@ -55,11 +54,7 @@ def find_lag(test, lag):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--tests", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "folder", tests=3, seed=1).parse_args()
     motions, distances = load_motions(options.folder), []
     for number, family in enumerate(simulated_tests.FAMILIES):
         words = []

@@ -8,7 +8,6 @@ name beside them; `named` only where at most 20 % of the worst kind of held-out 
 What an expert calls each machine stands in `machine_models.py`, fixed before the first run.
 """
 
-import argparse
 import itertools
 import json
 import tempfile
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmark_script import argument_parser
 from blind_evaluation import foretold
 from machine_models import ALWAYS_ACCEPTED, MACHINES, STEP, Machine
 from scipy import signal
@@ -209,10 +209,7 @@ def print_times(name: str, seconds: Sequence[float]) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--count", type=int, default=2)
+    parser = argument_parser(__doc__, "folder", seed=1, count=2)
     parser.add_argument("--machines", nargs="*", default=list(MACHINES), choices=list(MACHINES))
     parser.add_argument("--pairs", action="store_true", help="fit all pairs of effects, which takes longer")
     options = parser.parse_args(arguments)

@@ -3,11 +3,10 @@
 python tests/benchmarks/measured_frames.py RECORDS --seed 371127 --count 5
 """
 
-import argparse
-
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the frames importable
+from benchmark_script import argument_parser
 from nonlinear_frames import FAMILIES, STEP, FrameTest, simulate_frame_test
 
 from reliab.assessment.assess import assess
@@ -56,11 +55,7 @@ def judge_test(family: str, test: FrameTest) -> dict[str, object]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("records")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--count", type=int, default=1)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "records", seed=1, count=1).parse_args()
     motions, rows = list(load_motions(options.records)), []
     for number in range(options.count):
         for family in _FAMILIES:

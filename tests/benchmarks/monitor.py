@@ -10,13 +10,13 @@ alarm of the energy is one in a loop that is stable in large motions; a false al
 whose error at the end, by the exact response, is below the threshold.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from benchmark_script import argument_parser
 
 from reliab.assessment.inference.uncertain_quantity import PriorKnowledge
 from reliab.assessment.monitor import Monitor
@@ -175,13 +175,9 @@ def judge_case(case: Case, *, skew: bool) -> dict[str, object]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
+    parser = argument_parser(__doc__, motions=Path, out=Path, skew=False, rest=0.0)
     parser.add_argument("count", nargs="?", type=int, default=12)
     parser.add_argument("seed", nargs="?", type=int, default=1)
-    parser.add_argument("--motions", type=Path)
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--skew", action="store_true")
-    parser.add_argument("--rest", type=float, default=0.0)
     options = parser.parse_args()
     suite = load_motions(options.motions) if options.motions else synthetic_suite(count=40, seed=options.seed)
     rng = np.random.default_rng((options.seed, 1))

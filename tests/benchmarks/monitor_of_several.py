@@ -10,7 +10,6 @@ at three times the exact peak of any displacement. An alarm is in time when it i
 twice its peak.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from benchmark_script import argument_parser
 from in_loop_alarms import RATE, THRESHOLD, LoopCase, end_at_switch_off, frame_case
 
 from reliab.assessment.monitor import Monitor
@@ -115,10 +115,9 @@ def say(table: pd.DataFrame) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argument_parser(__doc__, table=Path)
     parser.add_argument("count", type=int)
     parser.add_argument("seed", type=int)
-    parser.add_argument("--table", type=Path)
     options = parser.parse_args()
     table = (
         pd.read_csv(options.table) if options.table is not None and options.table.exists() else pd.DataFrame()

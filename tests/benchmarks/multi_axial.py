@@ -10,7 +10,6 @@ noise, of its RMS. The rows of a plant are added to the table as soon as they ar
 there already are not run again.
 """
 
-import argparse
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratory importable
+from benchmark_script import argument_parser
 from rebuilt_error.laboratory import read_at2
 
 from reliab.study.description import PACKAGE
@@ -68,14 +68,9 @@ def judge_plant(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--plants", type=int, default=10)
-    parser.add_argument("--decibels", type=float, default=40.0)
-    parser.add_argument("--ordinary", action="store_true")
-    parser.add_argument("--table", type=Path)
-    options = parser.parse_args()
+    options = argument_parser(
+        __doc__, "folder", seed=int, plants=10, decibels=40.0, ordinary=False, table=Path
+    ).parse_args()
     records = sorted(options.folder.rglob("*.AT2"))
     has_table = options.table is not None and options.table.exists()
     tables = [pd.read_csv(options.table, dtype={"plant": str})] if has_table else []

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from benchmark_script import shortest_time
 
 PERIODS = np.geomspace(0.2, 4.0, 40)
 DAMPING = 0.05
@@ -28,12 +29,8 @@ REPETITIONS = 5
 
 def measure_time(work: Callable[[], object]) -> tuple[np.ndarray, float]:
     """Answer of a piece of work, and its shortest time [s]."""
-    times = []
-    for _ in range(REPETITIONS + 1):
-        start = time.perf_counter()
-        answer = work()
-        times.append(time.perf_counter() - start)
-    return np.asarray(answer, dtype=float), min(times[1:])
+    answer, seconds = shortest_time(work, REPETITIONS, time.perf_counter)
+    return np.asarray(answer, dtype=float), seconds
 
 
 def eqsig(record, step, _values):

@@ -15,7 +15,6 @@ TRUTH.json in the folder of a campaign, where there is one, says what an expert 
 `errors` are those of the best model that anybody has found, and stand in the place of the linear filter's.
 """
 
-import argparse
 import json
 import sys
 import time
@@ -25,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from benchmark_script import argument_parser
 
 from reliab.core.arrays import Array
 from reliab.core.errors import InputError
@@ -171,8 +171,7 @@ def read_table(path: Path) -> dict[str, Row]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folder", type=Path)
+    parser = argument_parser(__doc__, "folder")
     parser.add_argument("--table", type=Path, help="the last run's results, which this run's replace")
     options = parser.parse_args()
     last = {} if options.table is None else read_table(options.table)

@@ -14,7 +14,6 @@ Tests are simulated by `tests/assessment/rebuilt_error/laboratory.py` under the 
 folder with a catalog.csv, `../shared/motions` by default), each cut at random to 15 to 40 s.
 """
 
-import argparse
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import paths
+from benchmark_script import argument_parser
 from laboratory_tests import STEP, draw_test, noise_level, read_records
 from rebuilt_error import laboratory as lab
 from scipy.stats import beta
@@ -250,15 +250,11 @@ def measure(part: str, series: Series, count: int, out: Path | None) -> pd.DataF
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argument_parser(__doc__, seed=0, records=paths.MOTIONS)
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("--count", type=int)
-    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="CSV with a row for each test, in which a run resumes")
     parser.add_argument("--figure", type=Path, help="PNG of the reliability diagram, for coverage")
-    parser.add_argument("--records", type=Path, default=paths.MOTIONS)
     options = parser.parse_args()
     series = Series(read_records(options.records), options.seed)
     rows = measure(options.part, series, options.count or PARTS[options.part][2], options.out)

@@ -18,6 +18,7 @@ from pathlib import Path
 from random import Random
 
 import numpy as np
+from benchmark_script import argument_parser
 
 from reliab.core.errors import InputError
 from reliab.recordings.reading import read_recording
@@ -44,13 +45,8 @@ _PARTS = {"t": "time", "c": "command", "m": "measured", "f": "force", "g": "grou
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--files", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
+    parser = argument_parser(__doc__, files=200, seed=1, show=False)
     parser.add_argument("--names", choices=_LISTS, default="held_out")
-    parser.add_argument("--show", action="store_true")
     options = parser.parse_args()
     counts, random = Counter(), Random(options.seed)  # noqa: S311
     options.headers = _headers(options.names)

@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths
-from laboratory_tests import THRESHOLD, argument_parser
+from benchmark_script import argument_parser
+from laboratory_tests import THRESHOLD
 from rebuilt_error import laboratory as lab
 from rig_rows import rig_table, rig_test
 
@@ -120,10 +121,9 @@ def predictions(rows: list[dict], earthquakes: int, seed: int) -> list[dict]:
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=3)
-    parser.add_argument("--earthquakes", type=int, default=4)
-    parser.add_argument("--records", type=Path, default=paths.MOTIONS)
-    options = parser.parse_args()
+    options = argument_parser(
+        __doc__, "folder", seed=int, count=3, earthquakes=4, records=paths.MOTIONS
+    ).parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     records = pd.read_csv(options.records / "catalog.csv").query("set != 'held_out'")
     tables = []

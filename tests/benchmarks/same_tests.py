@@ -17,13 +17,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from benchmark_script import argument_parser
 from laboratory_tests import (
     LARGEST,
     SMALLEST,
     STEP,
     THRESHOLD,
     add_noise,
-    argument_parser,
     draw_ground,
     draw_structure,
     misstate_structure,
@@ -119,7 +119,7 @@ def state(rows: pd.DataFrame, name: str) -> None:
 
 
 def main() -> None:
-    options = argument_parser(__doc__, count=40).parse_args()
+    options = argument_parser(__doc__, "folder", seed=int, count=40).parse_args()
     records = read_records(options.folder)
     rows = pd.DataFrame(
         row for seed in range(options.seed, options.seed + options.count) for row in judge_runs(seed, records)

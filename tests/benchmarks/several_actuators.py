@@ -22,8 +22,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratories importable
+from benchmark_script import argument_parser
 from coupled_structures import coupled_response, described, node, plate, two_storeys
-from laboratory_tests import THRESHOLD, argument_parser
+from laboratory_tests import THRESHOLD
 from rebuilt_error.laboratory import read_at2
 from scipy.interpolate import CubicSpline
 
@@ -184,10 +185,8 @@ def state(rows: pd.DataFrame, by: list[str]) -> None:
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=20)
+    parser = argument_parser(__doc__, "folder", seed=int, count=20, exact=False, clock=CLOCK)
     parser.add_argument("--decibels", type=float, nargs="+", default=[40.0])
-    parser.add_argument("--exact", action="store_true")
-    parser.add_argument("--clock", type=float, default=CLOCK)
     options = parser.parse_args()
     records = sorted(options.folder.rglob("*.AT2"))
     rows = []

@@ -16,15 +16,14 @@ Real groups stand among the populations; their earthquakes are then left out of 
 FOLDER keeps the responses, so that a second run begins with them.
 """
 
-import argparse
 from dataclasses import replace
 from functools import partial
 from itertools import count, product
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from benchmark_script import argument_parser
 from criterion_scope import THRESHOLD, groups_of, limits_of as limits_at
 
 from reliab.core.shipped import shipped
@@ -164,12 +163,7 @@ def line(name, shares):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--motions", type=int, default=100)
-    parser.add_argument("--sets", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=SEED)
-    options = parser.parse_args()
+    options = argument_parser(__doc__, "folder", motions=100, sets=200, seed=SEED).parse_args()
     options.folder.mkdir(exist_ok=True)
     measures = read_netcdf(shipped("datasets", "real_suite/first_order.nc"), "Measures", "")
     real = predict_ellipses(measures.sel(f=list(F), xi=list(XI)))

@@ -18,9 +18,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import paths  # noqa: F401 - makes the laboratories importable
+from benchmark_script import argument_parser
 from blind_campaigns.scoring import wilson_interval
 from frames_by_matrices import Matrices, Outcome, run
-from laboratory_tests import DECIBELS, LARGEST, SMALLEST, THRESHOLD, argument_parser, score_verdict
+from laboratory_tests import DECIBELS, LARGEST, SMALLEST, THRESHOLD, score_verdict
 from rebuilt_error.laboratory import read_at2
 
 from reliab.assessment.assess import assess
@@ -194,9 +195,8 @@ def true_errors(outcome: Outcome) -> dict[str, float]:
 
 
 def main() -> None:
-    parser = argument_parser(__doc__, count=20)
+    parser = argument_parser(__doc__, "folder", seed=int, count=20, rate=RATE)
     parser.add_argument("--rows", nargs="+", choices=list(ROWS), default=list(ROWS))
-    parser.add_argument("--rate", type=float, default=RATE)
     options = parser.parse_args()
     records = sorted(options.folder.rglob("*.AT2"))
     for row in options.rows:

@@ -8,7 +8,6 @@ a force as one command; later calls of a process; the reading of the file alone.
 counts. With a checkout of before in FOLDER, processes run in turns with it, and ratios of medians follow.
 """
 
-import argparse
 import os
 import resource
 import subprocess
@@ -19,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from benchmark_script import argument_parser, shortest_time
 
 from reliab.recordings.reading import read_recording
 
@@ -101,20 +101,8 @@ def compare(
     print(f"{label:40} {spent:6.2f} s, {clock_time:6.2f} s on the clock{ratio}", flush=True)
 
 
-def shortest(calls: int, call: Callable[[], object]) -> float:
-    """Shortest processor time [s] of calls after the first."""
-    times = []
-    for _ in range(calls + 1):
-        start = time.process_time()
-        call()
-        times.append(time.process_time() - start)
-    return min(times[1:])
-
-
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argument_parser(__doc__)
     parser.add_argument("--calls", type=int, default=5, help="calls after the first")
     parser.add_argument("--before", type=Path, help="checkout with which commands are run in turns")
     options = parser.parse_args()
@@ -137,7 +125,8 @@ def main() -> None:
             "command, six tests with a force": (*command, *six, *STRUCTURE, "--mass", str(MASS)),
         }.items():
             compare(label, calls, lambda tree, options=arguments: measure_process(tree, *options), trees)
-        print(f"{'reading of 40 s at 1024 Hz':40} {shortest(calls, lambda: read_recording(path)):6.2f} s")
+        reading = shortest_time(lambda: read_recording(path), calls)[1]
+        print(f"{'reading of 40 s at 1024 Hz':40} {reading:6.2f} s")
         cases: dict[str, tuple[Path | str, dict[str, object]]] = {
             "later call, the test that ships": ("sample_test", {}),
             "40 s at 1024 Hz": (bare, {}),
