@@ -44,12 +44,13 @@ def recorded_test(frame):
 
 def test_they_narrow_the_errors_and_settle_whether_the_specimen_yielded(frame, recorded_test):
     recording, true = recorded_test
-    alone, with_forces = (assess(test, frame).error for test in (replace(recording, force=None), recording))
-    for before, after, value in zip(alone.displacements, with_forces.displacements, true, strict=True):
+    alone, with_forces = (assess(test, frame) for test in (replace(recording, force=None), recording))
+    errors = (alone.error.displacements, with_forces.error.displacements)
+    for before, after, value in zip(*errors, true, strict=True):
         assert after.rms.low < value < after.rms.high
         assert after.rms.high - after.rms.low < 0.7 * (before.rms.high - before.rms.low)
-    assert assess(recording, frame).turning.error_if_yielding is None
-    assert assess(replace(recording, force=None), frame).turning.error_if_yielding is not None
+    assert with_forces.turning.error_if_yielding is None
+    assert alone.turning.error_if_yielding is not None
 
 
 def test_each_load_cell_has_its_own_scale_and_lag(frame, recorded_test):
