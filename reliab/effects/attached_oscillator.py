@@ -40,7 +40,12 @@ class AttachedOscillator(SteppedEffect):
     description = "the specimen carries a mass that swings on a spring of its own, as a tuned mass or liquid"
     limiting_cases: ClassVar[tuple[type[Effect], ...]] = (AddedMass,)
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        replace(AddedMass.parameters[0], lower=0.0, starts=AddedMass.parameters[0].starts * len(_STARTS)),
+        replace(
+            AddedMass.parameters[0],
+            meaning="mass that swings",
+            lower=0.0,
+            starts=AddedMass.parameters[0].starts * len(_STARTS),
+        ),
         Parameter(
             name="frequency_hz",
             units="Hz",
