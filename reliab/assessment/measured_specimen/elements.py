@@ -100,7 +100,7 @@ def _stretch(size: float, shape: float, increment: float, relaxation: float, sta
     """Stretch a spring behind a dashpot of a power below one: half the step before it yields, half after.
 
     `relaxation` [m]: way of the dashpot during a step when the spring is stretched by `size`. Without motion
-    the stretch u follows u' = −sgn(u)·(|u|/size)^(1/shape), solved exactly.
+    the stretch u follows u' = −sgn(u)·relaxation/step·(|u|/size)^(1/shape), solved exactly.
     """
     stretch = state[0] + 0.5 * increment
     power = 1.0 / shape - 1.0
